@@ -1,0 +1,1 @@
+//! Error enums, each naming the offending thing.

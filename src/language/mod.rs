@@ -1,0 +1,16 @@
+//! From text to a checked [`System`].
+pub mod check;
+pub mod diagnostic;
+pub mod eval;
+pub mod expr;
+pub mod lex;
+pub mod ops;
+pub mod parse;
+pub mod print;
+pub mod syntax;
+pub mod system;
+
+pub use diagnostic::{Diagnostic, Severity};
+pub use expr::{Expr, Type, Value};
+pub use syntax::Span;
+pub use system::System;

@@ -1,0 +1,280 @@
+//! A checked system: names resolved, expressions typed, constants folded.
+//!
+//! This is all that the engine sees of a rule file. It knows no device and no container.
+
+use super::expr::{Expr, Type, Value};
+use super::syntax::{self, Span};
+use std::sync::Arc;
+
+/// Index into [`System::symbols`].
+pub type SymbolId = usize;
+
+/// A checked system.
+#[derive(Clone, Debug)]
+pub struct System {
+    pub name: String,
+    pub kind: Kind,
+    /// Declared modules in order of declaration, then (curve systems) the turtle symbols that occur.
+    pub symbols: Vec<Symbol>,
+    /// Values that stand in the environment buffer: params, and consts that read a param.
+    pub uniforms: Vec<Uniform>,
+    pub queries: Vec<Query>,
+    pub axiom: Axiom,
+    /// The unnamed group has the empty name.
+    pub groups: Vec<Group>,
+    pub run: Vec<Step>,
+    /// What was written, for messages and for the parts of the language that later passes read.
+    pub source: Arc<syntax::System>,
+}
+
+impl System {
+    /// The symbol of that name.
+    pub fn symbol(&self, name: &str) -> Option<SymbolId> {
+        self.symbols.iter().position(|s| s.name == name)
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    Curve(Topology),
+    /// Degrees along u (rows) and v (columns), 1..=8 each.
+    Patch {
+        degree: [u8; 2],
+        rational: bool,
+    },
+    Mesh,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Topology {
+    Ring,
+    Open,
+    Tree,
+}
+
+#[derive(Clone, Debug)]
+pub struct Symbol {
+    pub name: String,
+    pub fields: Vec<Field>,
+    pub span: Span,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Field {
+    pub name: String,
+    pub ty: Type,
+}
+
+/// A value that the host may change between frames without a rebuild.
+#[derive(Clone, Debug)]
+pub struct Uniform {
+    pub name: String,
+    pub ty: Type,
+    pub kind: UniformKind,
+    pub span: Span,
+}
+
+#[derive(Clone, Debug)]
+pub enum UniformKind {
+    /// A `param`: its default and, if written, its range.
+    Param { default: Value, range: Option<(Value, Value)> },
+    /// A `const` that reads params: computed on the host from uniforms before it.
+    Derived(Expr),
+}
+
+#[derive(Clone, Debug)]
+pub struct Query {
+    pub name: String,
+    pub ty: Type,
+    /// Absent: bound by the host.
+    pub value: Option<Expr>,
+    pub span: Span,
+}
+
+/// The axiom as the engine reads it. Only patch axioms are resolved in full; those of curve and
+/// mesh systems stay in [`System::source`].
+#[derive(Clone, Debug)]
+pub enum Axiom {
+    /// No axiom was written.
+    None,
+    Patches(Vec<PatchStart>),
+    /// A curve's word or source, or meshes: see the syntax tree.
+    Other,
+}
+
+/// `P(0) = file "teapot.bpt"`: each net of the source becomes one root, a module P(0).
+#[derive(Clone, Debug)]
+pub struct PatchStart {
+    pub symbol: SymbolId,
+    /// One for each field; they read uniforms at most.
+    pub args: Vec<Expr>,
+    pub source: PatchSource,
+    pub span: Span,
+}
+
+#[derive(Clone, Debug)]
+pub enum PatchSource {
+    /// All nets of a file, or the one with this index.
+    File { path: String, index: Option<u32>, span: Span },
+    /// Points row by row, `(degree u + 1) × (degree v + 1)`; x, y, z and a weight of 1 where none was written.
+    Inline { points: Vec<[f32; 4]>, span: Span },
+    /// The final word of an earlier system of the file.
+    System { name: String, span: Span },
+}
+
+#[derive(Clone, Debug)]
+pub struct Group {
+    pub name: String,
+    pub rules: Vec<Rule>,
+}
+
+/// One production. It fires on a module when `tests` and `condition` all hold, if no earlier rule
+/// of the running groups did.
+#[derive(Clone, Debug)]
+pub struct Rule {
+    pub label: Option<String>,
+    /// Its index in the group.
+    pub index: usize,
+    pub queries: Vec<QueryUse>,
+    pub left: Option<Context>,
+    /// The symbols of the strict predecessors; one in patch systems.
+    pub strict: Vec<SymbolId>,
+    pub right: Option<Context>,
+    /// Every name that the predecessor binds: what [`ExprKind::Binder`](super::expr::ExprKind::Binder) counts.
+    pub binders: Vec<Binder>,
+    /// From literals in the pattern and names bound twice; all of type bool.
+    pub tests: Vec<Expr>,
+    /// What [`ExprKind::Let`](super::expr::ExprKind::Let) counts; each may read those before it.
+    pub lets: Vec<Let>,
+    pub condition: Option<Expr>,
+    /// One without a weight, or several with.
+    pub alternatives: Vec<Alternative>,
+    pub span: Span,
+}
+
+#[derive(Clone, Debug)]
+pub struct QueryUse {
+    /// Index into [`System::queries`].
+    pub query: usize,
+    pub span: Span,
+}
+
+/// The symbols of a context, nearest last on the left, nearest first on the right. The full form,
+/// with branches, is in the syntax tree.
+#[derive(Clone, Debug)]
+pub struct Context {
+    pub symbols: Vec<SymbolId>,
+    pub end: bool,
+    pub span: Span,
+}
+
+/// Where the value of a bound name stands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Binder {
+    pub name: String,
+    pub ty: Type,
+    pub place: BinderPlace,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BinderPlace {
+    /// Field `field` of strict predecessor `module`.
+    Strict {
+        module: usize,
+        field: usize,
+    },
+    /// Field of the context's module, counted as written.
+    Left {
+        module: usize,
+        field: usize,
+    },
+    Right {
+        module: usize,
+        field: usize,
+    },
+    /// The value of the rule's n-th query use.
+    Query(usize),
+    /// The tag `@t` of strict predecessor `module` (mesh systems).
+    Tag {
+        module: usize,
+    },
+}
+
+#[derive(Clone, Debug)]
+pub struct Let {
+    pub name: String,
+    pub value: Expr,
+}
+
+#[derive(Clone, Debug)]
+pub struct Alternative {
+    pub weight: Option<Expr>,
+    pub successor: Successor,
+    pub span: Span,
+}
+
+#[derive(Clone, Debug)]
+pub enum Successor {
+    /// Patch systems: `eps`.
+    Erase,
+    /// Patch systems: one module, net and path unchanged.
+    Relabel(Module),
+    /// Patch systems: a block.
+    Split(Block),
+    /// A word of a curve system, in the order written (branches flattened into it), or
+    /// the modules of a mesh system's slots. The full form is in the syntax tree.
+    Modules(Vec<Module>),
+}
+
+/// A module of a successor: its arguments have the types of the symbol's fields.
+#[derive(Clone, Debug)]
+pub struct Module {
+    pub symbol: SymbolId,
+    pub args: Vec<Expr>,
+    pub span: Span,
+}
+
+/// A 1×2, 2×1 or 2×2 block; cells row by row (row = u, column = v).
+#[derive(Clone, Debug)]
+pub struct Block {
+    pub rows: usize,
+    pub columns: usize,
+    pub cells: Vec<Cell>,
+    pub span: Span,
+}
+
+#[derive(Clone, Debug)]
+pub enum Cell {
+    Eps,
+    Module(Module),
+    Block(Block),
+}
+
+#[derive(Clone, Debug)]
+pub struct Step {
+    pub kind: StepKind,
+    pub span: Span,
+}
+
+/// Counts are expressions of type int over uniforms, read at `prepare`.
+#[derive(Clone, Debug)]
+pub enum StepKind {
+    /// Indices into [`System::groups`], in order of priority.
+    Derive {
+        count: Expr,
+        until_terminal: bool,
+        groups: Vec<usize>,
+    },
+    Repeat {
+        count: Expr,
+        body: Vec<Step>,
+    },
+    /// The condition is of type bool.
+    If {
+        condition: Expr,
+        body: Vec<Step>,
+    },
+    /// `subdivide`, `place`, `mark`, `crease`, `deposit`, `trace`: the word that names it; the
+    /// rest is in the syntax tree.
+    Other(&'static str),
+}

@@ -1,0 +1,1 @@
+//! Leaves to triangles: the pure definitions.
