@@ -71,3 +71,19 @@ impl Word {
         &self.nets[index * n..(index + 1) * n]
     }
 }
+
+/// The axiom of a patch system: its roots in order.
+#[derive(Clone, Debug)]
+pub struct Axiom {
+    pub roots: Vec<Root>,
+}
+
+/// One root: a module of the axiom.
+#[derive(Clone, Debug)]
+pub struct Root {
+    /// Index into the system's symbols.
+    pub symbol: usize,
+    /// One for each field; they read uniforms at most.
+    pub args: Vec<crate::language::Expr>,
+    pub net: Net,
+}
