@@ -2,10 +2,15 @@
 mod arrows;
 mod check;
 mod command;
+#[cfg(feature = "gpu")]
+mod device;
 mod grid;
 mod io;
 mod oracle;
+#[cfg(feature = "gpu")]
 mod parity;
 mod parse;
+#[cfg(feature = "gpu")]
 mod render;
+#[cfg(feature = "gpu")]
 mod scan;

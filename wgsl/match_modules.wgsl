@@ -4,6 +4,8 @@
 
 import extent;
 import rules;
+import address;
+import ops;
 
 @group(0) @binding(0) var<uniform> extent: Extent;
 @group(0) @binding(1) var<uniform> environment: array<vec4u, ENVIRONMENT_QUADS>;
@@ -17,10 +19,22 @@ fn match_modules(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgrou
   if i >= extent.count {
     return;
   }
-  let rule = matching_rule(read_record(i));
+  let m = read_record(i);
+  let rule = matching_rule(m);
   rules[i] = rule;
-  // A load is cheaper than a store that everybody makes.
-  if rule < KEEP && atomicLoad(&status.fired) == 0u {
-    atomicStore(&status.fired, 1u);
+  // Loads are cheaper than atomics that everybody does: each flag is raised once or so.
+  if rule < KEEP {
+    if atomicLoad(&status.fired) == 0u {
+      atomicStore(&status.fired, 1u);
+    }
+    if too_deep(m, rule_word(rule) & 3u) {
+      atomicStore(&status.too_deep, 1u);
+    }
+  }
+  if rule > KEEP {
+    let bit = 1u << (symbol_of(m) & 31u);
+    if (atomicLoad(&status.retired_symbols) & bit) == 0u {
+      atomicOr(&status.retired_symbols, bit);
+    }
   }
 }

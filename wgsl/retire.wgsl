@@ -27,8 +27,4 @@ fn retire(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) gro
   for (var p = 0u; p < POINTS; p++) {
     finished_nets[k * POINTS + p] = nets[i * POINTS + p];
   }
-  let bit = 1u << (records[i * QUADS].x & 31u);
-  if (atomicLoad(&status.retired_symbols) & bit) == 0u {
-    atomicOr(&status.retired_symbols, bit);
-  }
 }

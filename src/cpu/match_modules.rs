@@ -2,23 +2,44 @@
 
 use super::BLOCK;
 use super::program::{Input, ProductionProgram, Registers, StageProgram};
+use crate::plan::layout::Header;
+use crate::plan::step::Status;
 use crate::plan::tables::Stage;
 use rayon::prelude::*;
 
-/// Fills `rules`; whether any rule fired.
-pub fn match_modules(stage: &Stage, program: &StageProgram, input: &Input, rules: &mut [u32]) -> bool {
-    let keep = stage.keep();
+/// Fills `rules`, and says what the chunk has to say.
+pub fn match_modules(stage: &Stage, program: &StageProgram, input: &Input, rules: &mut [u32]) -> Status {
     rules
         .par_chunks_mut(BLOCK)
         .enumerate()
         .map_init(
-            || Registers::default(),
+            Registers::default,
             |registers, (block, rules)| {
-                match_block(stage, program, &input.block(block), rules, registers);
-                rules.iter().any(|&r| r < keep)
+                let block = input.block(block);
+                match_block(stage, program, &block, rules, registers);
+                status(stage, program, &block, rules)
             },
         )
-        .reduce(|| false, |a, b| a | b)
+        .reduce(Status::default, |a, b| Status {
+            fired: a.fired | b.fired,
+            too_deep: a.too_deep | b.too_deep,
+            retired_symbols: a.retired_symbols | b.retired_symbols,
+            ..a
+        })
+}
+
+fn status(stage: &Stage, program: &StageProgram, block: &Input, rules: &[u32]) -> Status {
+    let mut status = Status::default();
+    for (i, &rule) in rules.iter().enumerate() {
+        if rule < stage.keep() {
+            let header = Header::read(block.record(i));
+            status.fired = 1;
+            status.too_deep |= header.child(program.words[rule as usize] & 3, 0, 0).is_none() as u32;
+        } else if rule == stage.retired() {
+            status.retired_symbols |= 1 << ((block.record(i)[0] & 0xffff) % 32);
+        }
+    }
+    status
 }
 
 const UNDECIDED: u32 = u32::MAX;

@@ -18,6 +18,7 @@ use crate::patch;
 use crate::plan::compare::{Trace, Traced};
 use crate::plan::derive::{self, Backend, Options, Outcome, StageId};
 use crate::plan::layout::Layout;
+use crate::plan::step::Status;
 use crate::plan::tables::Stage;
 use crate::plan::{Error, Plan};
 use program::StageProgram;
@@ -92,10 +93,13 @@ impl<'a> Cpu<'a> {
             step,
         };
         let n = chunk.len;
-        let (total, retired, fired) = match stage.closed {
-            Some(growth) => (n * growth as usize, 0, n > 0),
+        let (total, retired, status) = match stage.closed {
+            Some(growth) => (n * growth as usize, 0, Status { fired: 1, ..Status::default() }),
             None => self.threads.install(|| columns.fill(stage, program, &input, n)),
         };
+        if status.too_deep != 0 {
+            return Outcome::TooDeep;
+        }
         let modules = (total + retired) as u64;
         if modules * layout.module_bytes() > room {
             return Outcome::NoRoom { needed: modules * layout.module_bytes(), modules };
@@ -116,12 +120,12 @@ impl<'a> Cpu<'a> {
             }
             fits
         });
-        let symbols = retire::symbols(&input, &columns.retired);
         self.pool.give(chunk);
         if !fits {
             return Outcome::TooDeep;
         }
-        Outcome::Done { next, retired: finished.map(|c| (c, symbols)), fired }
+        let retired = finished.map(|c| (c, status.retired_symbols));
+        Outcome::Done { next, retired, fired: status.fired != 0 }
     }
 }
 
@@ -160,25 +164,25 @@ fn take_if(len: usize, take: impl FnOnce() -> Chunk) -> Option<Chunk> {
 }
 
 impl Columns {
-    /// match → count → scan, and compact: how many modules come, how many are retired, whether any
-    /// rule fired.
+    /// match → count → scan, and compact: how many modules come, how many are retired, what the
+    /// chunk says.
     fn fill(
         &mut self,
         stage: &Stage,
         program: &StageProgram,
         input: &program::Input,
         n: usize,
-    ) -> (usize, usize, bool) {
+    ) -> (usize, usize, Status) {
         self.rules.resize(n, 0);
         self.counts.resize(n, 0);
         self.offsets.resize(n + 1, 0);
-        let fired = match_modules::match_modules(stage, program, input, &mut self.rules);
+        let status = match_modules::match_modules(stage, program, input, &mut self.rules);
         count::count(&stage.rule_words(), &self.rules, &mut self.counts);
         scan::scan(&self.counts, &mut self.offsets);
         if stage.may_retire() {
             compact::compact(&self.rules, stage.retired(), &mut self.retired);
         }
-        (self.offsets[n] as usize, self.retired.len(), fired)
+        (self.offsets[n] as usize, self.retired.len(), status)
     }
 
     fn clear(&mut self) {

@@ -17,8 +17,3 @@ pub fn retire(input: &Input, nets: &[[f32; 4]], retired: &[u32], records: &mut [
         }
     });
 }
-
-/// The symbols among them: bit s mod 32.
-pub fn symbols(input: &Input, retired: &[u32]) -> u32 {
-    retired.iter().fold(0, |m, &i| m | 1 << (input.record(i as usize)[0] & 0xffff) % 32)
-}

@@ -35,6 +35,8 @@ pub enum Column {
     NextRecords,
     /// Nets after the step.
     NextNets,
+    /// Prefix sums of the tiles of a scan, and the total behind the last.
+    Sums,
     /// Indices of the retired modules in ascending order.
     Retired,
     /// Records of the retired modules.
@@ -65,7 +67,7 @@ pub const MATCH: Pass =
 /// How many modules come of each.
 pub const COUNT: Pass = Pass { name: "count", reads: &[Extent, Environment, Rules], writes: &[Counts] };
 /// Where the first of them goes.
-pub const SCAN: Pass = Pass { name: "scan", reads: &[Extent, Counts], writes: &[Offsets] };
+pub const SCAN: Pass = Pass { name: "scan", reads: &[Extent, Counts], writes: &[Offsets, Sums] };
 /// The children.
 pub const EMIT: Pass = Pass {
     name: "emit",
@@ -73,7 +75,7 @@ pub const EMIT: Pass = Pass {
     writes: &[NextRecords, NextNets, Status],
 };
 /// Which modules are retired.
-pub const COMPACT: Pass = Pass { name: "compact", reads: &[Extent, Rules], writes: &[Retired] };
+pub const COMPACT: Pass = Pass { name: "compact", reads: &[Extent, Rules], writes: &[Retired, Sums] };
 /// The retired modules, copied to where they stay.
 pub const RETIRE: Pass = Pass {
     name: "retire",
@@ -104,13 +106,13 @@ pub struct Extent {
 pub struct Status {
     /// Not 0: some rule fired.
     pub fired: u32,
-    /// Not 0: a child's address did not fit ([`MAX_HALVINGS`](super::layout::MAX_HALVINGS)).
+    /// Not 0: a child's address would not fit ([`MAX_HALVINGS`](super::layout::MAX_HALVINGS)).
     pub too_deep: u32,
-    /// Modules that `emit` had to leave out: one more than the greatest offset, or 0.
+    /// Bit s mod 32 is set if a module of symbol s is retired.
+    pub retired_symbols: u32,
+    /// 0, or the modules that `emit` would have had to write: more than the capacity.
     pub needed: u32,
     /// The same of `retire`.
     pub needed_finished: u32,
-    /// Bit s mod 32 is set if a module of symbol s was retired.
-    pub retired_symbols: u32,
     pub reserved: [u32; 3],
 }

@@ -7,8 +7,8 @@
 
 use super::layout::{HEADER_WORDS, Layout};
 use super::supported::{self, Unsupported};
-use crate::language::Span;
 use crate::language::expr::{Expr, ExprKind, Type};
+use crate::language::{Span, eval};
 use crate::language::system::{self, BinderPlace, Field, Rule, System};
 
 /// A symbol of the tables: those of the system first, then the hidden ones of nested blocks.
@@ -76,6 +76,8 @@ pub struct Stage {
     pub retires: Vec<bool>,
     /// Every module that can occur has this many successors, by its symbol alone.
     pub closed: Option<u32>,
+    /// Holds the rules as written, not what nested blocks left.
+    pub first: bool,
 }
 
 impl Stage {
@@ -89,7 +91,7 @@ impl Stage {
                 || productions[*id].cells.iter().flatten().flat_map(|c| &c.args).any(changes_with_step)
         };
         let retires = by_symbol.iter().map(|ids| first && !ids.iter().any(reads_step)).collect();
-        Stage { productions, by_symbol, retires, closed: None }
+        Stage { productions, by_symbol, retires, closed: None, first }
     }
 
     /// The rule id that says: kept as it is, still to be looked at in the next step.
@@ -103,6 +105,11 @@ impl Stage {
     /// The rule id of a module of this symbol on which no rule fires.
     pub fn idle(&self, symbol: usize) -> u32 {
         if self.retires[symbol] { self.retired() } else { self.keep() }
+    }
+    /// The rule id of a module whose symbol has no rules here: retired, but for the stages that
+    /// only split pending modules.
+    pub fn without_rules(&self) -> u32 {
+        if self.first { self.retired() } else { self.keep() }
     }
     /// The rule table: a word for each production, then keep and retired.
     pub fn rule_words(&self) -> Vec<u32> {
@@ -162,10 +169,10 @@ impl Tables {
         let symbols = builder.symbols;
         let param_words = symbols.iter().map(words_of).max().unwrap_or(0);
         for set in &mut rule_sets {
-            for (n, stage) in set.stages.iter_mut().enumerate() {
+            for stage in &mut set.stages {
                 // Symbols of later rule sets did not exist when this stage was built.
                 stage.by_symbol.resize(symbols.len(), Vec::new());
-                stage.retires.resize(symbols.len(), n == 0);
+                stage.retires.resize(symbols.len(), stage.first);
                 stage.closed = closed_growth(stage, &symbols);
             }
         }
@@ -345,11 +352,19 @@ fn map_expr(e: &Expr, replace: &dyn Fn(&Expr) -> Option<Expr>) -> Expr {
     if let Some(new) = replace(e) {
         return new;
     }
-    let kind = match &e.kind {
-        ExprKind::Call(op, args) => ExprKind::Call(*op, args.iter().map(|a| map_expr(a, replace)).collect()),
-        other => other.clone(),
+    let ExprKind::Call(op, args) = &e.kind else { return e.clone() };
+    let args: Vec<Expr> = args.iter().map(|a| map_expr(a, replace)).collect();
+    // WGSL refuses constant expressions that overflow; at run time they wrap. So none are left.
+    let literals = args.iter().map(|a| match &a.kind {
+        ExprKind::Literal(value) => Some(value.clone()),
+        _ => None,
+    });
+    let literals: Option<Vec<_>> = literals.collect();
+    let kind = match literals.and_then(|values| eval::apply(*op, &values)) {
+        Some(value) => ExprKind::Literal(value),
+        None => ExprKind::Call(*op, args),
     };
-    Expr { kind, ..e.clone() }
+    Expr { ty: e.ty.clone(), kind, span: e.span }
 }
 
 fn map_block(block: &system::Block, resolve: &dyn Fn(&Expr) -> Expr) -> system::Block {

@@ -10,9 +10,9 @@ struct Extent {
 struct Status {
   fired: atomic<u32>,
   too_deep: atomic<u32>,
+  retired_symbols: atomic<u32>,
   needed: atomic<u32>,
   needed_finished: atomic<u32>,
-  retired_symbols: atomic<u32>,
   reserved_0: u32,
   reserved_1: u32,
   reserved_2: u32,
