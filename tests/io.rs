@@ -460,3 +460,185 @@ mod whole_files {
         write_atomically("/dev/full", text).expect_err("a full device");
     }
 }
+
+mod json_words {
+    use super::*;
+    use burgeon::io::json;
+
+    fn written(word: &Word) -> String {
+        let mut text = Vec::new();
+        json::write(&mut text, word).expect("finite");
+        String::from_utf8(text).expect("text")
+    }
+
+    #[test]
+    fn as_documented() {
+        let nets = [Net { degree: [1, 1], points: vec![[0.1, -0.0, 1e-7, 1.0]; 4] }];
+        let mut word = Word::from_nets("sierpinski", "A", &nets).expect("a word");
+        word.steps = 3;
+        word.symbols[0].fields = vec![Field { name: "n".into(), ty: Type::Int }];
+        word.modules[0].params = vec![Value::Int(3)];
+        word.modules[0].cell = Cell { du: 2, dv: 2, i: 1, j: 3 };
+        let point = "[0.1,-0.0,1e-7,1.0]";
+        let expected = format!(
+            "{{\"version\":1,\"kind\":\"patch\",\"system\":\"sierpinski\",\"steps\":3,\"rational\":false,\"modules\":[\n\
+             {{\"symbol\":\"A\",\"params\":[3],\"root\":0,\"cell\":[2,2,1,3],\
+             \"net\":{{\"degree\":[1,1],\"points\":[{point},{point},{point},{point}]}}}}\n]}}\n"
+        );
+        assert_eq!(written(&word), expected);
+    }
+
+    #[test]
+    fn no_modules() {
+        let word = Word::from_nets("empty", "P", &[]).expect("a word");
+        let text = written(&word);
+        assert!(serde_json::from_str::<serde_json::Value>(&text).is_ok(), "{text}");
+        assert!(json::parse(text.as_bytes()).expect("a word").modules.is_empty());
+    }
+
+    #[test]
+    fn numbers_that_json_lacks() {
+        let nets = bpt::parse(SQUARE.as_bytes(), false).expect("the square");
+        let mut word = Word::from_nets("s", "P", &[nets[0].clone(), nets[0].clone()]).expect("a word");
+        word.nets[6][2] = f32::NAN;
+        let error = json::write(&mut Vec::new(), &word).expect_err("NaN").to_string();
+        assert_eq!(error, "point 2 of module 1 (P) holds NaN, which is not a finite number");
+        word.modules[0].params = vec![Value::Int(1), Value::Vec2([0.0, f32::INFINITY])];
+        let error = json::write(&mut Vec::new(), &word).expect_err("infinity").to_string();
+        assert_eq!(error, "parameter 1 of module 0 (P) holds inf, which is not a finite number");
+    }
+
+    #[test]
+    fn refusals() {
+        let module = |params: &str, cell: &str, points: &str| {
+            format!(
+                r#"{{"version":1,"kind":"patch","system":"s","steps":0,"rational":false,"modules":[
+                {{"symbol":"P","params":{params},"root":0,"cell":{cell},"net":{{"degree":[1,1],"points":{points}}}}}]}}"#
+            )
+        };
+        let points = "[[0,0,0,1],[0,1,0,1],[1,0,0,1],[1,1,0,1]]";
+        assert!(json::parse(module("[]", "[0,0,0,0]", points).as_bytes()).is_ok());
+        for (text, expected) in [
+            (String::new(), "EOF"),
+            (r#"{"version":1,"kind":"mesh"}"#.into(), "of kind `mesh`"),
+            (r#"{"version":2,"kind":"patch"}"#.into(), "version 2"),
+            (r#"{"version":1,"kind":"patch"}"#.into(), "missing field"),
+            (module("[null]", "[0,0,0,0]", points), "parameter 0 of module 0 is `null`"),
+            (module("[[1]]", "[0,0,0,0]", points), "an array of 2, 3 or 4"),
+            (module("[2147483648]", "[0,0,0,0]", points), "an int has 32 bits"),
+            (module("[1e39]", "[0,0,0,0]", points), "the range of 32-bit floats"),
+            (module("[]", "[1,0,2,0]", points), "outside its root"),
+            (module("[]", "[0,0,0,0]", "[[0,0,0,1]]"), "1 points where its degrees ask for 4"),
+            (module("[]", "[0,0,0,0]", &points.replace("1,1,0,1", "1,1e39,0,1")), "must be finite"),
+            (module("[]", "[0,0,0,0]", &points.replace("1,1,0,1", "1,1,0,0")), "weight 0"),
+        ] {
+            let error = json::parse(text.as_bytes()).expect_err(expected).to_string();
+            assert!(error.contains(expected), "{error}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn round_trip_bit_for_bit(word in word()) {
+            let text = written(&word);
+            let read = json::parse(text.as_bytes()).expect("what was written");
+            prop_assert_eq!(written(&read), text);
+            prop_assert_eq!(bits(&read.nets), bits(&word.nets));
+            prop_assert_eq!(&read.system, &word.system);
+            prop_assert_eq!((read.steps, read.rational), (word.steps, word.rational));
+            for (a, b) in read.modules.iter().zip(&word.modules) {
+                prop_assert_eq!(&read.symbols[a.symbol].name, &word.symbols[b.symbol].name);
+                prop_assert_eq!((a.root, a.key, a.cell), (b.root, b.key, b.cell));
+                let words = |m: &Module| m.params.iter().map(|p| (p.ty(), p.words())).collect::<Vec<_>>();
+                prop_assert_eq!(words(a), words(b));
+            }
+        }
+
+        #[test]
+        fn no_text_panics(text in r#"[\[\]{}",:0-9a-z.-]{0,80}"#) {
+            let _ = json::parse(text.as_bytes());
+        }
+    }
+}
+
+mod obj_meshes {
+    use super::*;
+    use burgeon::io::obj;
+    use burgeon::tessellate::{Mesh, dice};
+
+    /// A small reader of exactly what is written.
+    fn read(text: &str) -> (String, Mesh) {
+        let (mut name, mut mesh) = (String::new(), Mesh::default());
+        for line in text.lines() {
+            let (keyword, rest) = line.split_once(' ').expect("a keyword");
+            let numbers = || rest.split(' ').map(|x| x.parse::<f32>().expect("a number")).collect::<Vec<_>>();
+            match keyword {
+                "o" => name = rest.into(),
+                "v" => mesh.positions.push(numbers().try_into().expect("x y z")),
+                "vt" => mesh.uvs.push(numbers().try_into().expect("u v")),
+                "vn" => mesh.normals.push(numbers().try_into().expect("x y z")),
+                "f" => mesh.indices.extend(rest.split(' ').map(corner)),
+                other => panic!("{other}"),
+            }
+        }
+        (name, mesh)
+    }
+
+    fn corner(text: &str) -> u32 {
+        let indices: Vec<u32> = text.split('/').map(|i| i.parse().expect("an index")).collect();
+        assert!(indices.len() == 3 && indices.iter().all(|&i| i == indices[0]), "{text}");
+        indices[0] - 1
+    }
+
+    #[test]
+    fn the_teapot_read_back() {
+        let nets = bpt::read(TEAPOT, false).expect("the teapot");
+        let mesh = dice(&Word::from_nets("teapot", "P", &nets).expect("a word"), 3).expect("a mesh");
+        let mut text = Vec::new();
+        obj::write(&mut text, &mesh, "the\nteapot ").expect("written");
+        let (name, read) = read(std::str::from_utf8(&text).expect("text"));
+        assert_eq!(name, "the_teapot");
+        assert_eq!(read, mesh);
+    }
+
+    #[test]
+    fn numbers_that_obj_lacks() {
+        let vertex = [[0.0, 1.0, 0.0]];
+        let mesh = |x| Mesh {
+            positions: vertex.into(),
+            normals: vertex.into(),
+            uvs: vec![[0.0, x]],
+            indices: vec![],
+        };
+        assert!(obj::write(&mut Vec::new(), &mesh(0.0), "").is_ok());
+        let error = obj::write(&mut Vec::new(), &mesh(f32::NAN), "").expect_err("NaN").to_string();
+        assert_eq!(error, "the uv of vertex 0 holds NaN, which is not a finite number");
+    }
+}
+
+mod png_pictures {
+    use burgeon::io::png::{self, Image};
+
+    #[test]
+    fn read_back() {
+        let pixels: Vec<u8> = (0..4 * 7 * 5).map(|i| (i * 37 % 256) as u8).collect();
+        let image = Image { width: 7, height: 5, pixels };
+        let mut file = Vec::new();
+        png::write(&mut file, &image).expect("written");
+        let mut reader = ::png::Decoder::new(std::io::Cursor::new(&file)).read_info().expect("a picture");
+        let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
+        let info = reader.next_frame(&mut pixels).expect("a frame");
+        assert_eq!((info.width, info.height, info.color_type), (7, 5, ::png::ColorType::Rgba));
+        assert_eq!(pixels, image.pixels);
+        assert_eq!(image.pixel(6, 4), Some(image.pixels[image.pixels.len() - 4..].try_into().expect("four")));
+        assert_eq!((image.pixel(7, 0), image.pixel(0, 5)), (None, None));
+    }
+
+    #[test]
+    fn pixels_that_do_not_fit() {
+        for (width, height, bytes) in [(2, 2, 15), (2, 2, 17), (0, 0, 0)] {
+            let image = Image { width, height, pixels: vec![0; bytes] };
+            assert!(png::write(&mut Vec::new(), &image).is_err(), "{width} × {height}, {bytes} bytes");
+        }
+    }
+}

@@ -4,7 +4,10 @@
 //! sees to it that a failed run leaves no partial file behind.
 
 pub mod bpt;
+pub mod json;
 mod number;
+pub mod obj;
+pub mod png;
 mod write;
 
 pub use number::write_f32;

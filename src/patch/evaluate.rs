@@ -45,6 +45,11 @@ impl Parameter {
         self.t
     }
 
+    /// The value at this share of the way from `a` to `b`.
+    pub fn between(self, a: f64, b: f64) -> f64 {
+        self.s * a + self.t * b
+    }
+
     /// +1 at 0, −1 at 1, else 0: which way is inside when only this direction is at its end.
     fn inward(self) -> f64 {
         f64::from(self.t <= 0.0) - f64::from(self.s <= 0.0)
@@ -224,7 +229,7 @@ fn de_casteljau(row: &mut [Vec4], p: Parameter) -> (Vec4, Vec4) {
 }
 
 fn lerp(a: Vec4, b: Vec4, p: Parameter) -> Vec4 {
-    std::array::from_fn(|k| p.s * a[k] + p.t * b[k])
+    std::array::from_fn(|k| p.between(a[k], b[k]))
 }
 
 /// The limit of the unit normal at (u, v) from inside, where S_u × S_v itself says nothing.
