@@ -5,6 +5,7 @@ mod command;
 mod grid;
 mod io;
 mod oracle;
+mod papers;
 mod parity;
 mod parse;
 mod render;

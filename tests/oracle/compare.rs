@@ -1,6 +1,6 @@
 //! Comparison of an engine's word with the oracle's.
 
-use super::word::{Module, Param, Word};
+use super::word::{Cell, Module, Param, Word};
 use burgeon::language::Value;
 
 /// How near an engine's floats must come.
@@ -21,7 +21,9 @@ impl Tolerance {
         match self {
             Tolerance::Exact => None,
             Tolerance::Carried { c } => Some(c),
-            Tolerance::Lattice { bits, c } => (lattice_bits(module, bits) > f32::MANTISSA_DIGITS).then_some(c),
+            Tolerance::Lattice { bits, c } => {
+                (lattice_bits(module, bits) > f32::MANTISSA_DIGITS).then_some(c)
+            }
         }
     }
 }
@@ -109,7 +111,12 @@ fn compare_params(module: &Module, others: &[Value]) -> Result<(), String> {
     Ok(())
 }
 
-fn compare_nets(word: &Word, module: &Module, other: &[[f32; 4]], tolerance: Tolerance) -> Result<(), String> {
+fn compare_nets(
+    word: &Word,
+    module: &Module,
+    other: &[[f32; 4]],
+    tolerance: Tolerance,
+) -> Result<(), String> {
     let slack = tolerance.carried(module).map(|c| {
         let factor = c * f32::EPSILON as f64 * module.key_bits() as f64;
         word.magnitude(module).points.into_iter().map(|p| p.map(|x| x * factor)).collect::<Vec<_>>()
@@ -146,4 +153,41 @@ fn describe_engine(word: &burgeon::patch::Word, index: usize) -> String {
     let symbol = word.symbols.get(module.symbol).map_or("?", |s| s.name.as_str());
     let params = &module.params;
     format!("{symbol}{params:?} root {} key {:#018x} cell {cell:?}", module.root, module.key)
+}
+
+/// What an engine would hand back that rounds each coordinate once: the oracle's word in the engine's containers.
+pub fn engine_word(word: &Word, steps: usize) -> burgeon::patch::Word {
+    let mut symbols: Vec<burgeon::patch::Symbol> = Vec::new();
+    let mut modules = Vec::new();
+    let mut nets = Vec::new();
+    for module in &word.modules {
+        let symbol = symbols.iter().position(|s| s.name == module.symbol).unwrap_or_else(|| {
+            symbols.push(burgeon::patch::Symbol { name: module.symbol.clone(), fields: Vec::new() });
+            symbols.len() - 1
+        });
+        let value = |p: &Param| match *p {
+            Param::Int(i) => Value::Int(i),
+            Param::Bool(b) => Value::Bool(b),
+            Param::Float(x) => Value::Float(x as f32),
+        };
+        let Cell { du, dv, i, j } = module.cell();
+        modules.push(burgeon::patch::Module {
+            symbol,
+            params: module.params.iter().map(value).collect(),
+            root: module.root as u32,
+            key: module.key(),
+            cell: burgeon::patch::Cell { du: du as u8, dv: dv as u8, i: i as u32, j: j as u32 },
+        });
+        nets.extend(module.net.points.iter().map(|p| p.map(|x| x as f32)));
+    }
+    let degree = word.roots[0].degree.map(|d| d as u8);
+    burgeon::patch::Word {
+        system: "s".into(),
+        steps: steps as u32,
+        symbols,
+        degree,
+        rational: false,
+        modules,
+        nets,
+    }
 }

@@ -136,14 +136,17 @@ impl<'a> Oracle<'a> {
 
     /// The rules that run under `with a, b`: a's, then b's; the unnamed group's without names.
     fn rules(&self, groups: &[Name]) -> Vec<&'a Rule> {
-        let named = |group: Option<&str>| {
-            self.system.items.iter().filter_map(move |item| match item {
-                Item::Rules(rules) if rules.group.as_ref().map(|g| g.text.as_str()) == group => Some(rules),
-                _ => None,
-            })
+        let all = self.system.items.iter().filter_map(|item| match item {
+            Item::Rules(rules) => Some(rules),
+            _ => None,
+        });
+        let all: Vec<&Rules> = all.collect();
+        let named = |name: Option<&str>| {
+            let group = |rules: &&&Rules| rules.group.as_ref().map(|g| g.text.as_str()) == name;
+            all.iter().filter(group).copied().collect::<Vec<_>>()
         };
-        let chosen: Vec<&Rules> = if groups.is_empty() {
-            named(None).collect()
+        let chosen = if groups.is_empty() {
+            named(None)
         } else {
             groups.iter().flat_map(|g| named(Some(&g.text))).collect()
         };
@@ -257,7 +260,11 @@ impl Derivation<'_> {
                 (0..count).try_for_each(|_| self.steps(body))
             }
             StepKind::If { condition, body } => {
-                if self.host(condition).bool() { self.steps(body) } else { Ok(()) }
+                if self.host(condition).bool() {
+                    self.steps(body)
+                } else {
+                    Ok(())
+                }
             }
             other => panic!("no step of a patch system: {other:?}"),
         }

@@ -68,7 +68,13 @@ impl Constants {
     }
 
     /// Defines a constant, after all those that it reads.
-    fn define(&mut self, wanted: Declaration, all: &[Declaration], overrides: &[(String, Value)], depth: usize) {
+    fn define(
+        &mut self,
+        wanted: Declaration,
+        all: &[Declaration],
+        overrides: &[(String, Value)],
+        depth: usize,
+    ) {
         let (name, ty, expr) = wanted.parts();
         assert!(depth <= all.len(), "`{name}` is defined by itself");
         if self.values.contains_key(name) {
@@ -118,9 +124,7 @@ pub fn evaluate(expr: &Expr, scope: &Scope) -> Value {
             let args = args.iter().map(|a| evaluate(a, scope).settle()).collect();
             call(&name.text, args)
         }
-        ExprKind::Vector(items) => {
-            Value::Vector(items.iter().map(|e| evaluate(e, scope).float()).collect())
-        }
+        ExprKind::Vector(items) => Value::Vector(items.iter().map(|e| evaluate(e, scope).float()).collect()),
         ExprKind::List(items) => Value::List(items.iter().map(|e| evaluate(e, scope)).collect()),
         ExprKind::Field(vector, axis) => {
             let axis = ["x", "y", "z", "w"].iter().position(|a| *a == axis.text).expect("x, y, z or w");
@@ -142,7 +146,8 @@ fn element(list: Value, index: i32) -> Value {
 }
 
 fn binary(op: BinaryOp, a: Value, b: Value) -> Value {
-    let ordered = |a: Value, b: Value, holds: fn(Ordering) -> bool| Value::Bool(a.order(b).is_some_and(holds));
+    let ordered =
+        |a: Value, b: Value, holds: fn(Ordering) -> bool| Value::Bool(a.order(b).is_some_and(holds));
     match op {
         BinaryOp::Or => Value::Bool(a.bool() | b.bool()),
         BinaryOp::And => Value::Bool(a.bool() & b.bool()),

@@ -6,7 +6,7 @@
 use super::halving::Net;
 use super::word::{Param, Word};
 use super::{Oracle, parse};
-use std::fmt::Write;
+use std::fmt::{self, Write};
 
 /// The most modules that a word of a case has.
 const MODULES: usize = 3000;
@@ -27,6 +27,14 @@ pub struct Case {
     pub set: Vec<(String, Param)>,
     /// The limit of steps, as of `--steps`.
     pub steps: Option<usize>,
+}
+
+/// What to write beside a failure.
+impl fmt::Display for Case {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        writeln!(f, "case of seed {}, {:?}, at most {:?} steps:", self.seed, self.set, self.steps)?;
+        f.write_str(&self.text)
+    }
 }
 
 impl Case {
@@ -179,6 +187,14 @@ impl Scope {
     }
 }
 
+/// A param, as `overrides` sees it.
+#[derive(Clone, Debug)]
+struct Slider {
+    name: String,
+    ty: Type,
+    range: Option<(i32, i32)>,
+}
+
 /// A piece of an expression.
 struct Term {
     text: String,
@@ -210,7 +226,7 @@ struct Generator {
     /// Names of consts and params with a value of 0 to 3, for counts.
     small: Vec<String>,
     /// Params with their range.
-    params: Vec<(String, Type, Option<(i32, i32)>)>,
+    params: Vec<Slider>,
     groups: Vec<Option<String>>,
     /// Rules so far: no two have one label.
     labels: usize,
@@ -314,19 +330,19 @@ impl Generator {
         if self.random.chance(50) {
             return format!("const {name} = {value}\n");
         }
-        self.params.push((name.clone(), Type::Int, Some((0, 3))));
+        self.params.push(Slider { name: name.clone(), ty: Type::Int, range: Some((0, 3)) });
         format!("param {name}: int = {value} in 0 .. 3\n")
     }
 
     fn param(&mut self, name: String) -> String {
         if self.random.chance(25) {
             self.constants.bind(&name, Type::Bool);
-            self.params.push((name.clone(), Type::Bool, None));
+            self.params.push(Slider { name: name.clone(), ty: Type::Bool, range: None });
             return format!("param {name}: bool = {}\n", self.random.chance(50));
         }
         self.constants.bind(&name, Type::Int);
         let range = self.random.chance(50).then_some((-4, 6));
-        self.params.push((name.clone(), Type::Int, range));
+        self.params.push(Slider { name: name.clone(), ty: Type::Int, range });
         match range {
             Some((low, high)) => {
                 let value = self.random.range(low, high);
@@ -338,7 +354,7 @@ impl Generator {
 
     fn overrides(&mut self) -> Vec<(String, Param)> {
         let mut set = Vec::new();
-        for (name, ty, range) in self.params.clone() {
+        for Slider { name, ty, range } in self.params.clone() {
             if !self.random.chance(40) {
                 continue;
             }
@@ -369,7 +385,11 @@ impl Generator {
                 Type::Bool => format!("f{index}: bool"),
             };
             let fields: Vec<String> = symbol.fields.iter().enumerate().map(field).collect();
-            if fields.is_empty() { symbol.name.clone() } else { format!("{}({})", symbol.name, fields.join(", ")) }
+            if fields.is_empty() {
+                symbol.name.clone()
+            } else {
+                format!("{}({})", symbol.name, fields.join(", "))
+            }
         };
         let all: Vec<String> = self.symbols.iter().map(declare).collect();
         if self.random.chance(50) {
@@ -539,7 +559,9 @@ impl Generator {
                 let other = self.int(scope, 0);
                 format!("({name} + {}) % 2 == {}", other.at(5), self.random.below(2))
             }
-            2 if scope.of(Type::Int).iter().any(|n| *n == "step") => format!("step == {}", self.random.below(3)),
+            2 if scope.of(Type::Int).iter().any(|n| *n == "step") => {
+                format!("step == {}", self.random.below(3))
+            }
             3 => format!("{name} <= {}", self.fraction(scope)),
             4 => format!("{name} > {} && {name} != {}", self.random.range(-2, 1), self.literal()),
             _ => self.bool(scope, 2).text,
@@ -792,7 +814,8 @@ impl Generator {
     }
 
     fn count(&mut self, size: i32) -> String {
-        let literal = self.random.range(i32::from(self.random.chance(90)), size);
+        let least = i32::from(self.random.chance(90));
+        let literal = self.random.range(least, size);
         if self.small.is_empty() || self.random.chance(70) {
             return literal.to_string();
         }

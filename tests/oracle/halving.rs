@@ -72,9 +72,7 @@ impl Net {
             .map(|k| columns.iter().map(|weights| weigh(weights, |l| self.point(k, l))).collect())
             .collect();
         for weights in rows {
-            for c in 0..columns.len() {
-                points.push(weigh(weights, |k| halfway[k][c]));
-            }
+            points.extend((0..columns.len()).map(|c| weigh(weights, |k| halfway[k][c])));
         }
         Net { degree: [rows.len() - 1, columns.len() - 1], points }
     }

@@ -17,9 +17,9 @@ mod tests;
 mod value;
 mod word;
 
-pub use compare::{Tolerance, assert_same, compare, lattice_bits};
+pub use compare::{Tolerance, assert_same, compare, engine_word, lattice_bits};
 pub use derive::Oracle;
-pub use generate::{Case, case, minimise};
+pub use generate::{case, minimise};
 pub use halving::{Net, left, right};
 pub use word::{Cell, Module, Param, Word};
 

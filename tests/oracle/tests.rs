@@ -65,7 +65,10 @@ fn blocks_and_their_order_keys() {
     assert_eq!(keys, [0b0000, 0b0100, 0b1000, 0b1110, 0b1111]);
     let cells: Vec<Cell> = word.modules.iter().map(Module::cell).collect();
     let cell = |du, dv, i, j| Cell { du, dv, i, j };
-    assert_eq!(cells, [cell(1, 1, 0, 0), cell(1, 1, 0, 1), cell(1, 2, 1, 0), cell(2, 2, 3, 2), cell(2, 2, 3, 3)]);
+    assert_eq!(
+        cells,
+        [cell(1, 1, 0, 0), cell(1, 1, 0, 1), cell(1, 2, 1, 0), cell(2, 2, 3, 2), cell(2, 2, 3, 3)]
+    );
     assert!(word.modules.is_sorted_by_key(Module::key));
 }
 
@@ -78,7 +81,12 @@ fn nets_lie_where_cells_say() {
         for module in &word.modules {
             let cell = module.cell();
             let corner = |r: u64, c: u64| {
-                [(cell.i + r) as f64 / 2f64.powi(cell.du as i32), (cell.j + c) as f64 / 2f64.powi(cell.dv as i32), 0.0, 1.0]
+                [
+                    (cell.i + r) as f64 / 2f64.powi(cell.du as i32),
+                    (cell.j + c) as f64 / 2f64.powi(cell.dv as i32),
+                    0.0,
+                    1.0,
+                ]
             };
             assert_eq!(module.net.points, [corner(0, 0), corner(0, 1), corner(1, 0), corner(1, 1)]);
         }
@@ -87,7 +95,9 @@ fn nets_lie_where_cells_say() {
 
 #[test]
 fn a_relabel_keeps_net_and_path() {
-    let words = words("module A, B\naxiom: A = file \"x\"\nrules:\n  A -> [ A | A ]\nrules name:\n  A -> B\nrun:\n  derive 2\n  derive 1 with name\n");
+    let words = words(
+        "module A, B\naxiom: A = file \"x\"\nrules:\n  A -> [ A | A ]\nrules name:\n  A -> B\nrun:\n  derive 2\n  derive 1 with name\n",
+    );
     let (split, named) = (&words[2].modules, &words[3].modules);
     assert!(named.iter().all(|m| m.symbol == "B"));
     assert!(split.iter().zip(named).all(|(a, b)| a.path == b.path && a.net == b.net));
@@ -104,7 +114,8 @@ fn keep_does_not_count_as_fired() {
 
 #[test]
 fn terminal_at_max() {
-    let body = "module A\naxiom: A = file \"x\"\nrules:\n  A -> [ A | eps ]\nrun:\n  derive until terminal max 3\n";
+    let body =
+        "module A\naxiom: A = file \"x\"\nrules:\n  A -> [ A | eps ]\nrun:\n  derive until terminal max 3\n";
     assert_eq!(words(body).len(), 4);
 }
 
@@ -174,7 +185,8 @@ fn numerals_are_exact_and_names_are_not() {
 
 #[test]
 fn lists_are_clamped_and_lets_are_read() {
-    let of = |expr: &str| value("const table = [5, 7, 9]\nparam shift: int = 1\nconst far = 3*shift", "-1", expr);
+    let of =
+        |expr: &str| value("const table = [5, 7, 9]\nparam shift: int = 1\nconst far = 3*shift", "-1", expr);
     assert_eq!(of("B(table[n])"), "B(5)");
     assert_eq!(of("B(table[n + 2])"), "B(7)");
     assert_eq!(of("B(table[far])"), "B(9)");
@@ -212,7 +224,7 @@ fn two_ways_to_a_net() {
             let bound = words[0].magnitude(module);
             for ((a, b), size) in net.points.iter().zip(&module.net.points).zip(&bound.points) {
                 for axis in 0..4 {
-                    assert!((a[axis] - b[axis]).abs() <= 1e-13 * size[axis], "seed {seed}");
+                    assert!((a[axis] - b[axis]).abs() <= 1e-13 * size[axis], "{case}");
                 }
             }
         }
@@ -244,8 +256,8 @@ fn cases_are_varied_and_bounded() {
         let case = case(seed);
         let words = case.derive();
         let (first, last) = (&words[0], words.last().unwrap());
-        assert!(words.iter().all(|w| w.modules.len() <= 3000), "seed {seed}");
-        assert!(last.modules.iter().all(|m| lattice_bits(m, 0) < 500 && m.key_bits() <= 60), "seed {seed}");
+        assert!(words.iter().all(|w| w.modules.len() <= 3000), "{case}");
+        assert!(last.modules.iter().all(|m| lattice_bits(m, 0) < 500 && m.key_bits() <= 60), "{case}");
         grown += u32::from(last.modules.len() >= 4 * first.modules.len());
         erased += u32::from(last.modules.is_empty());
         exact += u32::from(last.modules.iter().any(|m| lattice_bits(m, case.bits) <= 24));
@@ -254,8 +266,31 @@ fn cases_are_varied_and_bounded() {
     }
     assert!(grown > 80 && exact > 150 && idle > 20 && erased < 60, "{grown} {exact} {idle} {erased}");
     let constructs = [
-        "eps", "ε", "until terminal", "repeat", "if ", "with grow", "with thin, grow", "let x", "_", "level", "step",
-        "[0]", "rational", "-2147483648", "% 2", "clamp(", "bool", " in ", "1/2", "bezier 3 ", "p2: ", "→", "≤", " | ", "[ [",
+        "eps",
+        "ε",
+        "until terminal",
+        "repeat",
+        "if ",
+        "with grow",
+        "with thin, grow",
+        "let x",
+        "_",
+        "level",
+        "step",
+        "[0]",
+        "rational",
+        "-2147483648",
+        "% 2",
+        "clamp(",
+        "bool",
+        " in ",
+        "1/2",
+        "bezier 3 ",
+        "p2: ",
+        "→",
+        "≤",
+        " | ",
+        "[ [",
     ];
     for construct in constructs {
         assert!(text.contains(construct), "no case has `{construct}`");
@@ -272,36 +307,6 @@ fn a_case_shrinks_to_what_fails() {
 }
 
 // --- the comparison --------------------------------------------------------------------------
-
-/// What a perfect engine would hand back.
-fn engine_word(word: &Word, steps: usize) -> burgeon::patch::Word {
-    use burgeon::language::Value;
-    let mut symbols: Vec<burgeon::patch::Symbol> = Vec::new();
-    let mut modules = Vec::new();
-    let mut nets = Vec::new();
-    for module in &word.modules {
-        let symbol = symbols.iter().position(|s| s.name == module.symbol).unwrap_or_else(|| {
-            symbols.push(burgeon::patch::Symbol { name: module.symbol.clone(), fields: Vec::new() });
-            symbols.len() - 1
-        });
-        let value = |p: &Param| match *p {
-            Param::Int(i) => Value::Int(i),
-            Param::Bool(b) => Value::Bool(b),
-            Param::Float(x) => Value::Float(x as f32),
-        };
-        let Cell { du, dv, i, j } = module.cell();
-        modules.push(burgeon::patch::Module {
-            symbol,
-            params: module.params.iter().map(value).collect(),
-            root: module.root as u32,
-            key: module.key(),
-            cell: burgeon::patch::Cell { du: du as u8, dv: dv as u8, i: i as u32, j: j as u32 },
-        });
-        nets.extend(module.net.points.iter().map(|p| p.map(|x| x as f32)));
-    }
-    let degree = word.roots[0].degree.map(|d| d as u8);
-    burgeon::patch::Word { system: "s".into(), steps: steps as u32, symbols, degree, rational: false, modules, nets }
-}
 
 #[test]
 fn a_rounded_word_passes() {
@@ -335,7 +340,10 @@ fn every_difference_is_found_and_named() {
     assert!(error(&|w| w.modules[0].cell.j = 1).contains("cells"));
     assert!(error(&|w| w.nets[5][1] = 0.3).contains("module 1: yw of point (0, 1) is 0.5"));
     assert!(error(&|w| w.nets[5][2] = f32::NAN).contains("NaN"));
-    assert!(error(&|w| w.modules.truncate(2)).contains("the oracle has 3 modules, the engine 2; the oracle's next is B"));
+    assert!(
+        error(&|w| w.modules.truncate(2))
+            .contains("the oracle has 3 modules, the engine 2; the oracle's next is B")
+    );
     // One ulp is too much when equality is asked for, and within the bound when it is not.
     let mut near = good.clone();
     near.nets[5][1] = f32::from_bits(near.nets[5][1].to_bits() + 1);
