@@ -1,0 +1,229 @@
+//! The file and its systems.
+
+use super::{Parse, Parser, TokenKind};
+use crate::language::diagnostic::{Diagnostic, code, nearest};
+use crate::language::lex::{Keyword, excerpt};
+use crate::language::syntax::{
+    Attribute, AttributeKind, FileItem, Item, Kind, Number, RuleFile, Span, System,
+};
+
+const KINDS: [&str; 3] = ["curve", "patch", "mesh"];
+const ATTRIBUTES: [&str; 6] = ["ring", "open", "tree", "bezier", "rational", "join"];
+
+impl Parser<'_> {
+    pub(super) fn file(&mut self) -> RuleFile {
+        self.skip_newlines();
+        let version = self.statement(Self::version).flatten();
+        let mut items = Vec::new();
+        loop {
+            self.skip_newlines();
+            match self.peek() {
+                TokenKind::End => break,
+                TokenKind::Keyword(Keyword::System) => {
+                    items.extend(self.system().map(FileItem::System));
+                }
+                _ => items.extend(self.statement(Self::file_item)),
+            }
+            if self.findings.is_full() {
+                break;
+            }
+        }
+        RuleFile { version, items }
+    }
+
+    /// A first line `burgeon 1`.
+    fn version(&mut self) -> Parse<Option<Number>> {
+        if !self.take_word("burgeon") {
+            return Ok(None);
+        }
+        let number = self.whole("the version of the language: `burgeon 1`")?;
+        if number.text != "1" {
+            let message = format!("version {} of the language is not known", excerpt(&number.text));
+            self.report(Diagnostic::error(code::VERSION, number.span, message).hint("write `burgeon 1`"));
+        }
+        self.end_of_statement()?;
+        Ok(Some(number))
+    }
+
+    fn file_item(&mut self) -> Parse<FileItem> {
+        match self.peek() {
+            TokenKind::Keyword(Keyword::Const) => self.constant().map(FileItem::Const),
+            TokenKind::Keyword(Keyword::Param) => self.param().map(FileItem::Param),
+            TokenKind::Keyword(keyword) if keyword.begins_item() => {
+                let span = self.token().span;
+                let message = format!("`{}` stands outside of a system", keyword.text());
+                let error = Diagnostic::error(code::MISPLACED_ITEM, span, message)
+                    .hint("begin a system before it, such as `system name : curve`");
+                self.stop(error)
+            }
+            _ => self.unknown_item(&["system", "const", "param"]),
+        }
+    }
+
+    fn system(&mut self) -> Option<System> {
+        let start = self.token().span;
+        let header = self.statement(Self::header);
+        let Some((name, kind, kind_span, attributes)) = header else {
+            self.skip_system();
+            return None;
+        };
+        let (items, span) = self.items(start);
+        Some(System { name, kind, kind_span, attributes, items, span })
+    }
+
+    /// Nothing can be read without the kind of the system.
+    fn skip_system(&mut self) {
+        while !matches!(self.peek(), TokenKind::End | TokenKind::Keyword(Keyword::System)) {
+            self.at += 1;
+        }
+    }
+
+    fn header(&mut self) -> Parse<(crate::language::syntax::Name, Kind, Span, Vec<Attribute>)> {
+        self.bump();
+        let name_token = self.token();
+        let name = self.name("the system's name")?;
+        self.systems.insert(self.text_of(name_token));
+        self.expect(TokenKind::Colon, "`:` and the kind of the system: `curve`, `patch` or `mesh`")?;
+        let kind_span = self.token().span;
+        let kind = self.kind()?;
+        self.kind = kind;
+        self.rule_count = 0;
+        self.collect_symbols();
+        let mut attributes = Vec::new();
+        while !self.at_end_of_statement() {
+            attributes.push(self.attribute()?);
+        }
+        self.end_of_statement()?;
+        Ok((name, kind, kind_span, attributes))
+    }
+
+    /// A kind that is slightly misspelt is taken for what was meant, so that the rest can be read.
+    fn kind(&mut self) -> Parse<Kind> {
+        let token = self.token();
+        let name = self.name("the kind of the system: `curve`, `patch` or `mesh`")?;
+        let meant = if KINDS.contains(&name.text.as_str()) {
+            Some(name.text.as_str())
+        } else {
+            let near = nearest(&name.text, KINDS);
+            let message = format!("there is no kind of system `{}`", excerpt(&name.text));
+            let hint = match near {
+                Some(kind) => format!("did you mean `{kind}`?"),
+                None => "write `curve`, `patch` or `mesh`".into(),
+            };
+            self.report(Diagnostic::error(code::UNKNOWN_WORD, token.span, message).hint(hint));
+            near
+        };
+        match meant {
+            Some("curve") => Ok(Kind::Curve),
+            Some("patch") => Ok(Kind::Patch),
+            Some("mesh") => Ok(Kind::Mesh),
+            _ => Err(super::Stop),
+        }
+    }
+
+    fn attribute(&mut self) -> Parse<Attribute> {
+        let start = self.token().span;
+        let name = self.name("an attribute of the system")?;
+        let kind = match name.text.as_str() {
+            "ring" => AttributeKind::Ring,
+            "open" => AttributeKind::Open,
+            "tree" => AttributeKind::Tree,
+            "rational" => AttributeKind::Rational,
+            "bezier" => self.bezier()?,
+            "join" => self.join()?,
+            text => {
+                let message = format!("there is no attribute `{}`", excerpt(text));
+                let hint = match nearest(text, ATTRIBUTES) {
+                    Some(attribute) => format!("did you mean `{attribute}`?"),
+                    None => format!("the attributes are {}", ATTRIBUTES.map(|a| format!("`{a}`")).join(", ")),
+                };
+                let error = Diagnostic::error(code::UNKNOWN_WORD, start, message).hint(hint);
+                return self.stop(error);
+            }
+        };
+        Ok(Attribute { kind, span: self.span_from(start) })
+    }
+
+    fn bezier(&mut self) -> Parse<AttributeKind> {
+        let u = self.whole("the degree, such as `bezier 3`")?;
+        let v = match self.peek() {
+            TokenKind::Number => Some(self.whole("the degree along v")?),
+            _ => None,
+        };
+        Ok(AttributeKind::Bezier(u, v))
+    }
+
+    fn join(&mut self) -> Parse<AttributeKind> {
+        let c1 = self.is_word("c1");
+        if c1 || self.is_word("c0") {
+            self.bump();
+            return Ok(AttributeKind::Join { c1 });
+        }
+        let error = self.unexpected("`c0` or `c1`");
+        self.stop(error)
+    }
+
+    /// The declarations of a system. A const or param behind its `run:` is the file's.
+    fn items(&mut self, start: Span) -> (Vec<Item>, Span) {
+        let mut items = Vec::new();
+        let mut ran: Option<Span> = None;
+        let mut reported = false;
+        let mut span = self.span_from(start);
+        loop {
+            self.skip_newlines();
+            let keyword = match self.peek() {
+                TokenKind::End | TokenKind::Keyword(Keyword::System) => break,
+                TokenKind::Keyword(keyword) => Some(keyword),
+                _ => None,
+            };
+            if let Some(run) = ran {
+                if matches!(keyword, Some(Keyword::Const | Keyword::Param)) {
+                    break;
+                }
+                if !reported && keyword.is_some_and(Keyword::begins_item) {
+                    self.behind_run(run);
+                    reported = true;
+                }
+            }
+            if keyword == Some(Keyword::Run) {
+                ran = ran.or(Some(self.token().span));
+            }
+            items.extend(self.statement(Self::item));
+            span = self.span_from(start);
+            if self.findings.is_full() {
+                break;
+            }
+        }
+        (items, span)
+    }
+
+    fn behind_run(&mut self, run: Span) {
+        let message = format!("{} stands behind `run:`", self.found());
+        let error = Diagnostic::error(code::MISPLACED_ITEM, self.token().span, message)
+            .label(run, "`run:` is here")
+            .hint("`run:` stands once, at the end of its system");
+        self.report(error);
+    }
+
+    pub(super) fn unknown_item<T>(&mut self, items: &[&'static str]) -> Parse<T> {
+        let token = self.token();
+        if token.kind != TokenKind::Name {
+            let error = self.unexpected("a declaration");
+            return self.stop(error);
+        }
+        let text = self.text_of(token);
+        let (code, hint) = match nearest(text, items.iter().copied()) {
+            Some(item) => (code::UNKNOWN_WORD, format!("did you mean `{item}`?")),
+            None if text == "burgeon" => (code::VERSION, "`burgeon 1` is the first line of a file".into()),
+            None if super::run::is_step(text) => (code::UNKNOWN_WORD, "steps stand under `run:`".into()),
+            None if self.is_symbol(token) => (code::UNKNOWN_WORD, "rules stand under `rules:`".into()),
+            None => {
+                let items: Vec<String> = items.iter().map(|i| format!("`{i}`")).collect();
+                (code::UNKNOWN_WORD, format!("declarations begin with {}", items.join(", ")))
+            }
+        };
+        let message = format!("`{}` begins no declaration", excerpt(text));
+        let error = Diagnostic::error(code, token.span, message).hint(hint);
+        self.stop(error)
+    }
+}
