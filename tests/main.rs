@@ -7,6 +7,7 @@ mod device;
 mod grid;
 mod io;
 mod oracle;
+mod papers;
 #[cfg(feature = "gpu")]
 mod parity;
 mod parse;

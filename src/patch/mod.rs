@@ -6,9 +6,11 @@
 //! [`evaluate`] gives points, derivatives and normals of a net, [`validate`] says whether a word
 //! holds together.
 
+pub mod axiom;
 pub mod evaluate;
 pub mod validate;
 
+pub use axiom::{Axiom, AxiomError, Root};
 pub use evaluate::{NetRef, Parameter, Sample};
 pub use validate::WordError;
 
