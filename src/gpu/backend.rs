@@ -438,7 +438,7 @@ pub fn derive(
     axiom: &patch::Axiom,
     options: &Options,
 ) -> Result<(patch::Word, derive::Derivation<GpuChunk>), Error> {
-    let uniforms = plan.uniforms(&options.set).map_err(plan::Error::from)?;
+    let uniforms = plan.uniforms(&options.set)?;
     let mut gpu = Gpu::new(engine, plan, &uniforms)?;
     let derivation = derive::derive(plan, axiom, &uniforms, options, &mut gpu)?;
     Ok((derive::collect(plan, &mut gpu, &derivation)?, derivation))

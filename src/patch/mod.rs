@@ -199,19 +199,3 @@ impl Word {
         Bounds::around(self.nets.iter().map(|&[x, y, z, w]| [x / w, y / w, z / w]))
     }
 }
-
-/// The axiom of a patch system: its roots in order.
-#[derive(Clone, Debug)]
-pub struct Axiom {
-    pub roots: Vec<Root>,
-}
-
-/// One root: a module of the axiom.
-#[derive(Clone, Debug)]
-pub struct Root {
-    /// Index into the system's symbols.
-    pub symbol: usize,
-    /// One for each field; they read uniforms at most.
-    pub args: Vec<crate::language::Expr>,
-    pub net: Net,
-}

@@ -1,6 +1,5 @@
 //! Two backends in lockstep: every column of every pass compared.
 
-use super::Plan;
 use super::derive::{Backend, Outcome, StageId};
 
 /// What the passes of one sweep wrote, for comparison: the columns of [`super::step::Column`].
@@ -52,10 +51,9 @@ pub enum PairError<L, R> {
 }
 
 /// Two backends as one: it does everything on both and compares.
-pub struct Pair<'a, L: Traced, R: Traced> {
+pub struct Pair<L: Traced, R: Traced> {
     left: L,
     right: R,
-    plan: &'a Plan,
     names: [&'static str; 2],
     /// Sweeps compared so far.
     pub sweeps: usize,
@@ -65,12 +63,12 @@ pub struct Pair<'a, L: Traced, R: Traced> {
 
 type ErrorOf<L, R> = PairError<<L as Backend>::Error, <R as Backend>::Error>;
 
-impl<'a, L: Traced, R: Traced> Pair<'a, L, R> {
+impl<L: Traced, R: Traced> Pair<L, R> {
     /// A pair whose messages use these names.
-    pub fn new(plan: &'a Plan, mut left: L, mut right: R, names: [&'static str; 2]) -> Self {
+    pub fn new(mut left: L, mut right: R, names: [&'static str; 2]) -> Self {
         left.set_traced();
         right.set_traced();
-        Pair { left, right, plan, names, sweeps: 0, elements: 0 }
+        Pair { left, right, names, sweeps: 0, elements: 0 }
     }
 
     fn same<T: PartialEq + Copy>(
@@ -121,7 +119,7 @@ impl<'a, L: Traced, R: Traced> Pair<'a, L, R> {
     }
 }
 
-impl<L: Traced, R: Traced> Backend for Pair<'_, L, R> {
+impl<L: Traced, R: Traced> Backend for Pair<L, R> {
     type Chunk = (L::Chunk, R::Chunk);
     type Error = ErrorOf<L, R>;
 
@@ -202,7 +200,7 @@ fn kind<C>(outcome: &Outcome<C>) -> usize {
     }
 }
 
-impl<L: Traced, R: Traced> Pair<'_, L, R> {
+impl<L: Traced, R: Traced> Pair<L, R> {
     /// The chunks of both, compared; where only one has modules, that is the difference.
     fn both(
         &mut self,
@@ -210,8 +208,6 @@ impl<L: Traced, R: Traced> Pair<'_, L, R> {
         left: Option<L::Chunk>,
         right: Option<R::Chunk>,
     ) -> Result<Option<(L::Chunk, R::Chunk)>, ErrorOf<L, R>> {
-        let length = self.plan.tables.layout.record_words;
-        debug_assert!(length > 0);
         let lengths =
             (left.as_ref().map_or(0, |c| self.left.len(c)), right.as_ref().map_or(0, |c| self.right.len(c)));
         self.same(pass, &[lengths.0], &[lengths.1], |n| format!("{n} modules"))?;
