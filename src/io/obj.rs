@@ -1,7 +1,7 @@
 //! Triangle meshes as Wavefront `.obj`.
 
 use super::number::{write_each, write_usize};
-use super::write::WriteError;
+use super::write::{WriteError, write_in_blocks};
 use crate::tessellate::Mesh;
 use std::io::{self, Write};
 
@@ -19,10 +19,8 @@ pub fn write(writer: &mut dyn Write, mesh: &Mesh, name: &str) -> Result<(), Writ
     vectors(writer, "v", "the position", &mesh.positions)?;
     vectors(writer, "vt", "the uv", &mesh.uvs)?;
     vectors(writer, "vn", "the normal", &mesh.normals)?;
-    for triangle in mesh.triangles() {
-        face(writer, triangle)?;
-    }
-    Ok(())
+    let triangles = mesh.indices.len() / 3;
+    write_in_blocks(writer, triangles, |index, text| Ok(face(text, &mesh.indices[3 * index..3 * index + 3])?))
 }
 
 fn vectors<const N: usize>(
@@ -31,25 +29,27 @@ fn vectors<const N: usize>(
     what: &str,
     vectors: &[[f32; N]],
 ) -> Result<(), WriteError> {
-    for (vertex, vector) in vectors.iter().enumerate() {
+    write_in_blocks(writer, vectors.len(), |vertex, text| {
+        let vector = &vectors[vertex];
         if let Some(&value) = vector.iter().find(|x| !x.is_finite()) {
             return Err(WriteError::not_finite(format_args!("{what} of vertex {vertex}"), value));
         }
-        writer.write_all(keyword.as_bytes())?;
-        write_each(writer, b" ", vector)?;
-        writer.write_all(b"\n")?;
-    }
-    Ok(())
+        text.extend_from_slice(keyword.as_bytes());
+        write_each(text, b" ", vector)?;
+        text.push(b'\n');
+        Ok(())
+    })
 }
 
 /// Vertices count from 1 in the file.
-fn face(writer: &mut dyn Write, triangle: [u32; 3]) -> io::Result<()> {
-    writer.write_all(b"f")?;
-    for vertex in triangle {
-        for separator in [b" ", b"/", b"/"] {
-            writer.write_all(separator)?;
-            write_usize(writer, vertex as usize + 1)?;
+fn face(text: &mut Vec<u8>, triangle: &[u32]) -> io::Result<()> {
+    text.push(b'f');
+    for &vertex in triangle {
+        for separator in [b' ', b'/', b'/'] {
+            text.push(separator);
+            write_usize(text, vertex as usize + 1)?;
         }
     }
-    writer.write_all(b"\n")
+    text.push(b'\n');
+    Ok(())
 }

@@ -1,5 +1,6 @@
 //! Whole files or none.
 
+use rayon::prelude::*;
 use std::fs::{self, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -120,5 +121,33 @@ fn finish<W: Write>(
 ) -> Result<(), WriteError> {
     content(&mut writer)?;
     writer.flush()?;
+    Ok(())
+}
+
+/// Writes elements 0..count, each as `element` appends it to its block: many blocks at once, in order.
+///
+/// # Errors
+/// What the writer reports, or the error of the first element that has one.
+pub(super) fn write_in_blocks(
+    writer: &mut dyn Write,
+    count: usize,
+    element: impl Fn(usize, &mut Vec<u8>) -> Result<(), WriteError> + Sync,
+) -> Result<(), WriteError> {
+    const BLOCK: usize = 1 << 12;
+    /// Blocks held in memory at a time.
+    const BATCH: usize = 64;
+    let block = |block: usize| -> Result<Vec<u8>, WriteError> {
+        let mut text = Vec::new();
+        let first = block * BLOCK;
+        (first..count.min(first + BLOCK)).try_for_each(|index| element(index, &mut text))?;
+        Ok(text)
+    };
+    let blocks = count.div_ceil(BLOCK);
+    for first in (0..blocks).step_by(BATCH) {
+        let batch: Vec<_> = (first..blocks.min(first + BATCH)).into_par_iter().map(block).collect();
+        for text in batch {
+            writer.write_all(&text?)?;
+        }
+    }
     Ok(())
 }

@@ -128,7 +128,7 @@ impl<'a> NetRef<'a> {
             for (i, point) in column[..rows].iter_mut().enumerate() {
                 *point = self.points[i * columns + j].map(f64::from);
             }
-            (strip.values[j], strip.slopes[j]) = de_casteljau(&mut column[..rows], u);
+            (strip.values[j], strip.slopes[j]) = de_casteljau(&column[..rows], u);
         }
         strip
     }
@@ -169,9 +169,8 @@ pub(crate) struct Strip {
 
 impl Strip {
     pub(crate) fn at(&self, v: Parameter) -> Homogeneous {
-        let (mut values, mut slopes) = (self.values, self.slopes);
-        let (point, dv) = de_casteljau(&mut values[..self.len], v);
-        let (du, _) = de_casteljau(&mut slopes[..self.len], v);
+        let (point, dv) = de_casteljau(&self.values[..self.len], v);
+        let (du, _) = de_casteljau(&self.slopes[..self.len], v);
         Homogeneous { point, du, dv }
     }
 }
@@ -217,17 +216,38 @@ impl Euclidean {
 }
 
 /// Collapses a row of control points to its point and its derivative at `p`.
-fn de_casteljau(row: &mut [Vec4], p: Parameter) -> (Vec4, Vec4) {
-    let degree = row.len() - 1;
-    for last in (2..=degree).rev() {
+fn de_casteljau(row: &[Vec4], p: Parameter) -> (Vec4, Vec4) {
+    // The usual lengths by name, so that the compiler unrolls them.
+    match row {
+        &[a, b] => collapse([a, b], p),
+        &[a, b, c] => collapse([a, b, c], p),
+        &[a, b, c, d] => collapse([a, b, c, d], p),
+        _ => {
+            let mut copy = [[0.0; 4]; MAX_ROW];
+            copy[..row.len()].copy_from_slice(row);
+            collapse_first(&mut copy, row.len(), p)
+        }
+    }
+}
+
+#[inline(always)]
+fn collapse<const N: usize>(mut row: [Vec4; N], p: Parameter) -> (Vec4, Vec4) {
+    collapse_first(&mut row, N, p)
+}
+
+/// Of a row with `len` points in use.
+#[inline(always)]
+fn collapse_first(row: &mut [Vec4], len: usize, p: Parameter) -> (Vec4, Vec4) {
+    for last in (2..len).rev() {
         for k in 0..last {
             row[k] = lerp(row[k], row[k + 1], p);
         }
     }
-    let slope = std::array::from_fn(|k| degree as f64 * (row[1][k] - row[0][k]));
+    let slope = std::array::from_fn(|k| (len - 1) as f64 * (row[1][k] - row[0][k]));
     (lerp(row[0], row[1], p), slope)
 }
 
+#[inline(always)]
 fn lerp(a: Vec4, b: Vec4, p: Parameter) -> Vec4 {
     std::array::from_fn(|k| p.between(a[k], b[k]))
 }
@@ -241,10 +261,12 @@ fn limit_normal(net: &NetRef, noise: f64, u: Parameter, v: Parameter, position: 
     if first == (0.0, 0.0) {
         first = (a, b);
     }
-    // A second try along the others: the product may vanish all along the first direction.
-    let series: Vec<Vec<Vec3>> =
-        [first, (a, b), (a, 0.0), (0.0, b)].iter().map(|&direction| taylor.normals(direction)).collect();
-    let above = |least: f64| series.iter().flatten().copied().find(|&term| norm(term) > least);
+    // The others in turn, should the product vanish all along the first.
+    let directions = [first, (a, b), (a, 0.0), (0.0, b)];
+    let above = |least: f64| {
+        let mut terms = directions.iter().flat_map(|&direction| taylor.normals(direction));
+        terms.find(|&term| norm(term) > least)
+    };
     match above(noise).or_else(|| above(0.0)) {
         Some(term) if norm(term).is_finite() => {
             let length = norm(term);

@@ -126,6 +126,29 @@ fn indices(word: &Word, n: usize, vertices_a_leaf: usize) -> Vec<u32> {
     indices
 }
 
+/// The edges along the sides of the leaves in the mesh that [`dice`] makes with the same `n`, as pairs
+/// of its vertices; collapsed sides left out. A side that two leaves share comes once from each.
+pub fn borders(word: &Word, n: usize) -> Result<Vec<[u32; 2]>, Error> {
+    let vertices_a_leaf = vertices_a_leaf(word.modules.len(), n)?;
+    let vertex = |i: usize, j: usize| (i * (n + 1) + j) as u32;
+    let mut edges = Vec::new();
+    for leaf in 0..word.modules.len() {
+        let first = (leaf * vertices_a_leaf) as u32;
+        let [u0, u1, v0, v1] = collapsed_sides(&word.view(leaf));
+        for k in 0..n {
+            let sides = [
+                (u0, [vertex(0, k), vertex(0, k + 1)]),
+                (u1, [vertex(n, k), vertex(n, k + 1)]),
+                (v0, [vertex(k, 0), vertex(k + 1, 0)]),
+                (v1, [vertex(k, n), vertex(k + 1, n)]),
+            ];
+            let kept = sides.into_iter().filter(|(collapsed, _)| !collapsed);
+            edges.extend(kept.map(|(_, edge)| edge.map(|vertex| first + vertex)));
+        }
+    }
+    Ok(edges)
+}
+
 /// A closed form for the usual leaf, since there are many of them.
 fn triangle_count(n: usize, sides: Collapsed) -> usize {
     if sides == [false; 4] { 2 * n * n } else { triangles(n, sides).count() }
