@@ -81,7 +81,7 @@ impl<'a> Cpu<'a> {
         program: &StageProgram,
         columns: &mut Columns,
         step: u32,
-        chunk: Chunk,
+        chunk: &Chunk,
         room: u64,
     ) -> Outcome<Chunk> {
         let stage: &Stage = id.of(self.plan);
@@ -120,7 +120,6 @@ impl<'a> Cpu<'a> {
             }
             fits
         });
-        self.pool.give(chunk);
         if !fits {
             return Outcome::TooDeep;
         }
@@ -231,7 +230,15 @@ impl Backend for Cpu<'_> {
         Ok((0..chunk.len).step_by(most).map(piece).collect())
     }
 
-    fn step(&mut self, id: StageId, step: u32, chunk: Chunk, room: u64) -> Result<Outcome<Chunk>, Error> {
+    fn recycle(&mut self, chunk: Chunk) {
+        self.pool.give(chunk);
+    }
+
+    fn finish(&mut self) -> Result<(), Error> {
+        Ok(())
+    }
+
+    fn step(&mut self, id: StageId, step: u32, chunk: &Chunk, room: u64) -> Result<Outcome<Chunk>, Error> {
         let program = match self.programs.remove(&id) {
             Some(program) => program,
             None => StageProgram::new(self.plan, id.of(self.plan)),

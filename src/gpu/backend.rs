@@ -14,7 +14,7 @@ use crate::plan::derive::{self, Backend, Options, Outcome, StageId};
 use crate::plan::layout::{Layout, MAX_HALVINGS};
 use crate::plan::step::{Extent, Status};
 use crate::plan::tables::Stage;
-use crate::plan::{self, Plan};
+use crate::plan::Plan;
 use std::collections::HashMap;
 
 /// Records and nets of a chunk, on the device.
@@ -288,7 +288,7 @@ impl<'a> Gpu<'a> {
         &mut self,
         id: StageId,
         step: u32,
-        chunk: GpuChunk,
+        chunk: &GpuChunk,
         columns: &Columns,
         room: u64,
     ) -> Result<Outcome<GpuChunk>, Error> {
@@ -299,7 +299,7 @@ impl<'a> Gpu<'a> {
                 modules: chunk.len * growth as usize,
                 retired: 0,
             },
-            None => self.totals(id, step, &chunk, columns)?,
+            None => self.totals(id, step, chunk, columns)?,
         };
         if totals.status.too_deep != 0 {
             return Ok(Outcome::TooDeep);
@@ -316,8 +316,7 @@ impl<'a> Gpu<'a> {
         if may_be_too_deep {
             self.engine.queue.write_buffer(&self.status, 0, bytemuck::bytes_of(&Status::default()));
         }
-        self.write(id, step, &chunk, columns, next.as_ref(), finished.as_ref());
-        self.give(chunk);
+        self.write(id, step, chunk, columns, next.as_ref(), finished.as_ref());
         if may_be_too_deep && self.read_status()?.too_deep != 0 {
             return Ok(Outcome::TooDeep);
         }
@@ -402,7 +401,18 @@ impl Backend for Gpu<'_> {
         })
     }
 
-    fn step(&mut self, id: StageId, step: u32, chunk: GpuChunk, room: u64) -> Result<Outcome<GpuChunk>, Error> {
+    fn recycle(&mut self, chunk: GpuChunk) {
+        self.give(chunk);
+    }
+
+    fn finish(&mut self) -> Result<(), Error> {
+        match self.engine.device.poll(wgpu::PollType::wait_indefinitely()) {
+            Ok(_) => Ok(()),
+            Err(_) => Err(Error::Lost { doing: "waiting for the device" }),
+        }
+    }
+
+    fn step(&mut self, id: StageId, step: u32, chunk: &GpuChunk, room: u64) -> Result<Outcome<GpuChunk>, Error> {
         self.compile_stage(id)?;
         let engine = self.engine.clone();
         engine.checked("rewriting a chunk", || {

@@ -144,8 +144,8 @@ pub struct Bandwidth {
 }
 
 impl Bandwidth {
-    /// Buffers for `count` vec4 in and four times as many out.
-    pub fn new(engine: &Engine, count: u64) -> Result<Bandwidth, Error> {
+    /// Buffers for `count` vec4 in and `growth` times as many out: 1 to copy, 4 to expand.
+    pub fn new(engine: &Engine, count: u64, growth: u64) -> Result<Bandwidth, Error> {
         engine.checked("preparing the copy kernel", || {
             let shaders = codegen::measures(engine.tuning())?;
             let bindings = [(Column::Extent, false), (Column::Nets, false), (Column::NextNets, true)];
@@ -157,11 +157,11 @@ impl Bandwidth {
             let counts = Extent { count: count as u32, ..Extent::default() };
             engine.queue.write_buffer(&extent, 0, bytemuck::bytes_of(&counts));
             let source = buffers::storage(engine, "burgeon copy source", count * 16);
-            let out = buffers::storage(engine, "burgeon copy out", count * 64);
+            let out = buffers::storage(engine, "burgeon copy out", growth * count * 16);
             let bound = [
                 Binding::new(&extent, size_of::<Extent>() as u64),
                 Binding::new(&source, count * 16),
-                Binding::new(&out, count * 64),
+                Binding::new(&out, growth * count * 16),
             ];
             let groups = [kernels[0].bind(engine, &bound), kernels[1].bind(engine, &bound)];
             Ok(Bandwidth { engine: engine.clone(), kernels, groups, count })

@@ -147,15 +147,25 @@ impl<L: Traced, R: Traced> Backend for Pair<L, R> {
         Ok(left.into_iter().zip(right).collect())
     }
 
+    fn recycle(&mut self, chunk: Self::Chunk) {
+        self.left.recycle(chunk.0);
+        self.right.recycle(chunk.1);
+    }
+
+    fn finish(&mut self) -> Result<(), Self::Error> {
+        self.left.finish().map_err(PairError::Left)?;
+        self.right.finish().map_err(PairError::Right)
+    }
+
     fn step(
         &mut self,
         stage: StageId,
         step: u32,
-        chunk: Self::Chunk,
+        chunk: &Self::Chunk,
         room: u64,
     ) -> Result<Outcome<Self::Chunk>, Self::Error> {
-        let left = self.left.step(stage, step, chunk.0, room).map_err(PairError::Left)?;
-        let right = self.right.step(stage, step, chunk.1, room).map_err(PairError::Right)?;
+        let left = self.left.step(stage, step, &chunk.0, room).map_err(PairError::Left)?;
+        let right = self.right.step(stage, step, &chunk.1, room).map_err(PairError::Right)?;
         self.same_trace()?;
         let outcome = match (left, right) {
             (

@@ -32,13 +32,17 @@ pub trait Backend {
     fn most_modules(&self) -> usize;
     /// The chunk in pieces of at most `most` modules, in order.
     fn split(&mut self, chunk: Self::Chunk, most: usize) -> Result<Vec<Self::Chunk>, Self::Error>;
-    /// One sweep of the passes over a chunk. `room` is how many bytes the new chunks may take:
+    /// The chunk is needed no more; what was recorded with it still runs.
+    fn recycle(&mut self, chunk: Self::Chunk);
+    /// Waits until everything is done.
+    fn finish(&mut self) -> Result<(), Self::Error>;
+    /// One sweep of the passes over a chunk, which stays as it is. `room` is how many bytes the new chunks may take:
     /// beyond it nothing is written, and the outcome says what was needed.
     fn step(
         &mut self,
         stage: StageId,
         step: u32,
-        chunk: Self::Chunk,
+        chunk: &Self::Chunk,
         room: u64,
     ) -> Result<Outcome<Self::Chunk>, Self::Error>;
 }
@@ -277,7 +281,9 @@ impl<B: Backend> Run<'_, B> {
             // The word as it stands, this chunk's old modules among it, is there beside the new ones.
             let held = self.modules * layout.module_bytes();
             let room = self.options.max_bytes.saturating_sub(held);
-            match self.backend.step(id, step, chunk, room)? {
+            let outcome = self.backend.step(id, step, &chunk, room)?;
+            self.backend.recycle(chunk);
+            match outcome {
                 Outcome::Done { next: live, retired, fired: any } => {
                     fired |= any;
                     let mut new = 0;
