@@ -2,7 +2,6 @@
 #![forbid(unsafe_code)]
 pub mod codegen;
 pub mod cpu;
-pub mod error;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod io;

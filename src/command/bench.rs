@@ -107,8 +107,7 @@ struct Plans {
 
 const PLAIN: &str = "system plain : patch bezier 3\nmodule P\naxiom: P = file \"roots.bpt\"\nrules:\n  \
                      P -> [ P P ; P P ]\nrun:\n  derive 1\n";
-const CONDITIONAL: &str =
-    "system conditional : patch bezier 3\nmodule P(l: int)\naxiom: P(0) = file \"roots.bpt\"\n\
+const CONDITIONAL: &str = "system conditional : patch bezier 3\nmodule P(l: int)\naxiom: P(0) = file \"roots.bpt\"\n\
      rules:\n  P(l) : l < 9 -> [ P(l+1) P(l+1) ; P(l+1) P(l+1) ]\nrun:\n  derive 1\n";
 
 impl Plans {
@@ -301,7 +300,8 @@ fn last_step_case<'a, B: Backend + 'a>(
 ) -> Result<Case<'a>, Failure> {
     let uniforms = plan.uniforms(&[]).map_err(super::run::of_plan)?;
     let options = Options { steps: Some(levels - 1), max_bytes: u64::MAX, ..Options::default() };
-    let before = derive::derive(plan, &axiom(plan, roots), &uniforms, &options, &mut backend).map_err(fail)?;
+    let before =
+        derive::derive(plan, &axiom(plan, roots), &uniforms, &options, &mut backend).map_err(fail)?;
     let before_last = roots.len() as u64 * 4u64.pow(levels - 1);
     let run = move || {
         let start = Instant::now();
@@ -552,11 +552,7 @@ mod gpu {
         Ok(())
     }
 
-    fn scans(
-        engine: &Engine,
-        wanted: &dyn Fn(&str) -> bool,
-        cases: &mut Vec<Case>,
-    ) -> Result<(), Failure> {
+    fn scans(engine: &Engine, wanted: &dyn Fn(&str) -> bool, cases: &mut Vec<Case>) -> Result<(), Failure> {
         let n = SCAN_ELEMENTS as u64;
         let source = scan_source();
         let kept = source.iter().filter(|s| **s == 1).count() as u64;

@@ -20,8 +20,8 @@ pub struct Source {
 impl Source {
     /// Reads and checks; diagnostics are not looked at yet.
     pub fn read(path: &Path) -> Result<Source, Failure> {
-        let bytes = std::fs::read(path)
-            .map_err(|e| Failure::File(format!("cannot read {}: {e}", path.display())))?;
+        let bytes =
+            std::fs::read(path).map_err(|e| Failure::File(format!("cannot read {}: {e}", path.display())))?;
         let name = path.display().to_string();
         let text = match parse::decode(&bytes) {
             Ok(text) => text.to_string(),
@@ -150,7 +150,8 @@ fn read_nets(path: &Path, rational: bool) -> Result<Vec<patch::Net>, String> {
 
 /// The line, at most 120 columns of it, and a caret below `column` (from 1).
 fn excerpt(line: &str, column: usize) -> String {
-    let characters: Vec<char> = line.trim_end().chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    let characters: Vec<char> =
+        line.trim_end().chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     let at = column.saturating_sub(1).min(characters.len());
     let start = at.saturating_sub(60);
     let end = characters.len().min(start + 120);

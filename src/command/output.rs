@@ -30,7 +30,8 @@ pub fn targets(paths: &[PathBuf]) -> Result<Vec<Target>, Failure> {
             Some("obj") => Format::Obj,
             Some("png") => Format::Png,
             _ => {
-                let what = format!("--out {}: a patch word is written as .bpt .json .obj or .png", path.display());
+                let what =
+                    format!("--out {}: a patch word is written as .bpt .json .obj or .png", path.display());
                 return Err(Failure::Usage(what));
             }
         };

@@ -59,7 +59,8 @@ fn compiled(source: &Source, system: &System) -> Result<Option<String>, Diagnost
 
 fn stages(plan: &Plan) -> Vec<StageId> {
     let sets = plan.tables.rule_sets.iter().enumerate();
-    sets.flat_map(|(rule_set, set)| (0..set.stages.len()).map(move |stage| StageId { rule_set, stage })).collect()
+    sets.flat_map(|(rule_set, set)| (0..set.stages.len()).map(move |stage| StageId { rule_set, stage }))
+        .collect()
 }
 
 /// The WGSL of every stage, then of the kernels that know only the layout.
@@ -77,7 +78,8 @@ pub fn wgsl(flags: &flags::Wgsl) -> Result<(), Failure> {
         let groups = &plan.tables.rule_sets[id.rule_set].groups;
         let names: Vec<&str> = groups.iter().map(|&g| system.groups[g].name.as_str()).collect();
         let with = names.join(", ");
-        let title = format!("(rules {}stage {})", if with.is_empty() { with } else { with + ", " }, id.stage + 1);
+        let title =
+            format!("(rules {}stage {})", if with.is_empty() { with } else { with + ", " }, id.stage + 1);
         let shaders = codegen::stage(&plan, id, &Tuning::GPU).map_err(failed)?;
         for shader in [&shaders.match_modules, &shaders.count, &shaders.emit] {
             add(title.clone(), shader);

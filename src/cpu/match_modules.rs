@@ -12,14 +12,11 @@ pub fn match_modules(stage: &Stage, program: &StageProgram, input: &Input, rules
     rules
         .par_chunks_mut(BLOCK)
         .enumerate()
-        .map_init(
-            Registers::default,
-            |registers, (block, rules)| {
-                let block = input.block(block);
-                match_block(stage, program, &block, rules, registers);
-                status(stage, program, &block, rules)
-            },
-        )
+        .map_init(Registers::default, |registers, (block, rules)| {
+            let block = input.block(block);
+            match_block(stage, program, &block, rules, registers);
+            status(stage, program, &block, rules)
+        })
         .reduce(Status::default, |a, b| Status {
             fired: a.fired | b.fired,
             too_deep: a.too_deep | b.too_deep,

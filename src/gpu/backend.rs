@@ -9,12 +9,12 @@ use super::kernels::{self, Binding, SharedKernels, StageKernels};
 use super::{Engine, Error};
 use crate::language::expr::Value;
 use crate::patch;
+use crate::plan::Plan;
 use crate::plan::compare::{Trace, Traced};
 use crate::plan::derive::{self, Backend, Options, Outcome, StageId};
 use crate::plan::layout::{Layout, MAX_HALVINGS};
 use crate::plan::step::{Extent, Status};
 use crate::plan::tables::Stage;
-use crate::plan::Plan;
 use std::collections::HashMap;
 
 /// Records and nets of a chunk, on the device.
@@ -117,8 +117,8 @@ impl<'a> Gpu<'a> {
         }
         let environment = self.plan.environment(id.of(self.plan), &self.uniforms);
         let engine = self.engine.clone();
-        let kernels =
-            engine.checked("compiling kernels", || StageKernels::new(&engine, self.plan, id, &environment))?;
+        let kernels = engine
+            .checked("compiling kernels", || StageKernels::new(&engine, self.plan, id, &environment))?;
         self.stages.insert(id, kernels);
         Ok(())
     }
@@ -171,7 +171,13 @@ impl<'a> Gpu<'a> {
     }
 
     /// match → count → scan, and compact; then the totals, read.
-    fn totals(&mut self, id: StageId, step: u32, chunk: &GpuChunk, columns: &Columns) -> Result<Totals, Error> {
+    fn totals(
+        &mut self,
+        id: StageId,
+        step: u32,
+        chunk: &GpuChunk,
+        columns: &Columns,
+    ) -> Result<Totals, Error> {
         let stage: &Stage = id.of(self.plan);
         let n = chunk.len as u64;
         self.write_extent(0, Extent { count: n as u32, step, capacity: 0, wanted: stage.retired() });
@@ -191,7 +197,8 @@ impl<'a> Gpu<'a> {
             let rules = Binding::new(&columns.rules.buffer, n * 4);
             let counts = Binding::new(&columns.counts.buffer, n * 4);
             let sums = |b| Binding::new(b, (tiles + 1) * 4);
-            let bound = [self.extent(0), environment, records, rules, Binding::new(&self.status, STATUS_BYTES)];
+            let bound =
+                [self.extent(0), environment, records, rules, Binding::new(&self.status, STATUS_BYTES)];
             let group = kernels.match_modules.bind(&self.engine, &bound);
             kernels.match_modules.record(&mut pass, &group, &one_each);
             let group = kernels.count.bind(&self.engine, &[self.extent(0), environment, rules, counts]);
@@ -209,12 +216,21 @@ impl<'a> Gpu<'a> {
         }
         encoder.copy_buffer_to_buffer(&self.status, 0, &self.staging, 0, STATUS_BYTES);
         encoder.copy_buffer_to_buffer(&columns.sums.buffer, tiles * 4, &self.staging, STATUS_BYTES, 4);
-        encoder.copy_buffer_to_buffer(&columns.retired_sums.buffer, tiles * 4, &self.staging, STATUS_BYTES + 4, 4);
+        encoder.copy_buffer_to_buffer(
+            &columns.retired_sums.buffer,
+            tiles * 4,
+            &self.staging,
+            STATUS_BYTES + 4,
+            4,
+        );
         self.engine.queue.submit([encoder.finish()]);
-        let words: Vec<u32> =
-            buffers::mapped(&self.engine, "reading the totals of a step", &self.staging, READ_BYTES, |bytes| {
-                bytes.chunks_exact(4).map(bytemuck::pod_read_unaligned).collect()
-            })?;
+        let words: Vec<u32> = buffers::mapped(
+            &self.engine,
+            "reading the totals of a step",
+            &self.staging,
+            READ_BYTES,
+            |bytes| bytes.chunks_exact(4).map(bytemuck::pod_read_unaligned).collect(),
+        )?;
         let status = bytemuck::pod_read_unaligned(bytemuck::cast_slice(&words[..8]));
         let retired = if stage.may_retire() { words[9] as usize } else { 0 };
         Ok(Totals { status, modules: words[8] as usize, retired })
@@ -365,7 +381,8 @@ impl Backend for Gpu<'_> {
 
     fn read(&mut self, chunk: &GpuChunk) -> Result<(Vec<u32>, Vec<[f32; 4]>), Error> {
         let (layout, len) = (self.layout(), chunk.len as u64);
-        let records = buffers::read(&self.engine, "reading records", chunk.records(), len * layout.record_bytes())?;
+        let records =
+            buffers::read(&self.engine, "reading records", chunk.records(), len * layout.record_bytes())?;
         let nets = buffers::read(&self.engine, "reading nets", chunk.nets(), len * layout.net_bytes())?;
         Ok((records, nets))
     }
@@ -391,7 +408,13 @@ impl Backend for Gpu<'_> {
                     (chunk.records(), piece.records(), layout.record_bytes()),
                     (chunk.nets(), piece.nets(), layout.net_bytes()),
                 ] {
-                    encoder.copy_buffer_to_buffer(from, start as u64 * bytes, to, 0, piece.len as u64 * bytes);
+                    encoder.copy_buffer_to_buffer(
+                        from,
+                        start as u64 * bytes,
+                        to,
+                        0,
+                        piece.len as u64 * bytes,
+                    );
                 }
                 pieces.push(piece);
             }
@@ -412,7 +435,13 @@ impl Backend for Gpu<'_> {
         }
     }
 
-    fn step(&mut self, id: StageId, step: u32, chunk: &GpuChunk, room: u64) -> Result<Outcome<GpuChunk>, Error> {
+    fn step(
+        &mut self,
+        id: StageId,
+        step: u32,
+        chunk: &GpuChunk,
+        room: u64,
+    ) -> Result<Outcome<GpuChunk>, Error> {
         self.compile_stage(id)?;
         let engine = self.engine.clone();
         engine.checked("rewriting a chunk", || {

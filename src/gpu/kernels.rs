@@ -34,8 +34,10 @@ impl Kernel {
             count: None,
         };
         let list: Vec<_> = bindings.iter().enumerate().map(entry).collect();
-        let layout = device
-            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &list });
+        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some(label),
+            entries: &list,
+        });
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(label),
             bind_group_layouts: &[Some(&layout)],
@@ -139,7 +141,12 @@ pub struct StageKernels {
 }
 
 impl StageKernels {
-    pub fn new(engine: &Engine, plan: &Plan, id: StageId, environment: &[u32]) -> Result<StageKernels, Error> {
+    pub fn new(
+        engine: &Engine,
+        plan: &Plan,
+        id: StageId,
+        environment: &[u32],
+    ) -> Result<StageKernels, Error> {
         let shaders = codegen::stage(plan, id, engine.tuning())?;
         let buffer = engine.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("burgeon environment"),
@@ -169,7 +176,12 @@ impl SharedKernels {
         let shaders = codegen::shared(layout, engine.tuning())?;
         Ok(SharedKernels {
             scan: Kernel::of_pass(engine, &shaders.scan, &step::SCAN, &["reduce", "spine", "scan"]),
-            compact: Kernel::of_pass(engine, &shaders.compact, &step::COMPACT, &["reduce", "spine", "compact"]),
+            compact: Kernel::of_pass(
+                engine,
+                &shaders.compact,
+                &step::COMPACT,
+                &["reduce", "spine", "compact"],
+            ),
             retire: Kernel::of_pass(engine, &shaders.retire, &step::RETIRE, &["retire"]),
         })
     }

@@ -70,7 +70,8 @@ impl Engine {
 
     /// Runs `work` within error scopes: a validation error or a lack of memory becomes an error.
     fn checked<T>(&self, doing: &'static str, work: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
-        let filters = [wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation, wgpu::ErrorFilter::Internal];
+        let filters =
+            [wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation, wgpu::ErrorFilter::Internal];
         let scopes = filters.map(|f| self.device.push_error_scope(f));
         let result = work();
         // The innermost scope was pushed last.

@@ -28,7 +28,9 @@ pub struct ScanBuffers {
 pub enum Measure {
     Scan,
     /// The indices of the elements that equal this.
-    Compact { wanted: u32 },
+    Compact {
+        wanted: u32,
+    },
 }
 
 impl Scans {
@@ -56,7 +58,8 @@ impl Scans {
             let count = source.len() as u64;
             let tiles = count.div_ceil(engine.tuning.tile() as u64);
             let buffer = |label, bytes: u64| buffers::storage(engine, label, bytes.max(16));
-            let (input, out) = (buffer("burgeon scan source", count * 4), buffer("burgeon scan out", count * 4 + 4));
+            let (input, out) =
+                (buffer("burgeon scan source", count * 4), buffer("burgeon scan out", count * 4 + 4));
             let sums = buffer("burgeon scan sums", tiles * 4 + 4);
             engine.queue.write_buffer(&input, 0, bytemuck::cast_slice(source));
             let wanted = if let Measure::Compact { wanted } = what { wanted } else { 0 };

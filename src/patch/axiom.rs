@@ -40,7 +40,8 @@ impl Axiom {
         read: &mut dyn FnMut(&str) -> Result<Vec<Net>, E>,
     ) -> Result<Axiom, AxiomError<E>> {
         let system::Axiom::Patches(starts) = &system.axiom else {
-            let message = format!("{} has no axiom of patches: write `axiom: P = file \"….bpt\"`", system.name);
+            let message =
+                format!("{} has no axiom of patches: write `axiom: P = file \"….bpt\"`", system.name);
             return Err(AxiomError::Wrong { message, span: system.source.name.span });
         };
         let mut roots = Vec::new();
@@ -73,7 +74,13 @@ fn nets<E: std::fmt::Display>(
                 Some(i) if (*i as usize) < nets.len() => Ok(vec![nets.swap_remove(*i as usize)]),
                 Some(i) => {
                     let last = nets.len().saturating_sub(1);
-                    wrong(format!("{path} has {} patches, 0 .. {last}; there is none with index {i}", nets.len()), span)
+                    wrong(
+                        format!(
+                            "{path} has {} patches, 0 .. {last}; there is none with index {i}",
+                            nets.len()
+                        ),
+                        span,
+                    )
                 }
             }
         }

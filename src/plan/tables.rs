@@ -8,8 +8,8 @@
 use super::layout::{HEADER_WORDS, Layout};
 use super::supported::{self, Unsupported};
 use crate::language::expr::{Expr, ExprKind, Type};
-use crate::language::{Span, eval};
 use crate::language::system::{self, BinderPlace, Field, Rule, System};
+use crate::language::{Span, eval};
 
 /// A symbol of the tables: those of the system first, then the hidden ones of nested blocks.
 #[derive(Clone, Debug)]

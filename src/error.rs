@@ -1,1 +1,0 @@
-//! Error enums, each naming the offending thing.
