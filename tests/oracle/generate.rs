@@ -56,7 +56,25 @@ impl Case {
 
 /// The case of a seed.
 pub fn case(seed: u64) -> Case {
-    let mut generator = Generator::new(seed);
+    let mut random = Random::new(seed);
+    // Small words are cheap to come by: most cases are drawn again until they grow.
+    let wanted = *random.pick(&[1, 8, 20, 60, 200]);
+    let mut best = draw(seed, random.next());
+    for _ in 0..12 {
+        if best.1 >= wanted {
+            break;
+        }
+        let other = draw(seed, random.next());
+        if other.1 > best.1 {
+            best = other;
+        }
+    }
+    best.0
+}
+
+/// A case and the most modules that one of its words has.
+fn draw(seed: u64, salt: u64) -> (Case, usize) {
+    let mut generator = Generator::new(salt);
     let system = generator.system();
     let nets = generator.nets();
     let set = generator.overrides();
@@ -67,12 +85,14 @@ pub fn case(seed: u64) -> Case {
             if generator.random.chance(20) {
                 case.steps = Some(generator.random.below(words.len()));
             }
-            return case;
+            let done = words.iter().take(case.steps.map_or(words.len(), |limit| limit + 1));
+            let most = done.map(|word| word.modules.len()).max().unwrap_or(0);
+            return (case, most);
         }
     }
     let groups = generator.with();
     case.text = format!("{system}run:\n  derive 1{groups}\n");
-    case
+    (case, 1)
 }
 
 /// The smallest case found by leaving out lines, roots and settings as long as `fails` says yes.
@@ -92,12 +112,21 @@ fn simplifications(case: &Case) -> Vec<Case> {
     // Large bites first: halves, quarters … single lines.
     let mut bite = lines.len().div_ceil(2);
     while bite > 0 {
-        for start in (0..lines.len()).step_by(bite) {
+        for start in (0..lines.len()).step_by(bite.div_ceil(2)) {
             let end = (start + bite).min(lines.len());
             let kept: Vec<&str> = [&lines[..start], &lines[end..]].concat();
             simpler.push(Case { text: kept.join("\n") + "\n", ..case.clone() });
         }
         bite /= 2;
+    }
+    for (open, line) in lines.iter().enumerate().filter(|(_, line)| line.ends_with('{')) {
+        // `repeat` and `if` go without their body.
+        let indent = line.len() - line.trim_start().len();
+        let closing = format!("{}}}", " ".repeat(indent));
+        let Some(length) = lines[open..].iter().position(|line| *line == closing) else { continue };
+        let body = &lines[open + 1..open + length];
+        let kept: Vec<&str> = [&lines[..open], body, &lines[open + length + 1..]].concat();
+        simpler.push(Case { text: kept.join("\n") + "\n", ..case.clone() });
     }
     for index in 0..case.set.len() {
         let mut set = case.set.clone();
@@ -679,7 +708,7 @@ impl Generator {
 
     fn int(&mut self, scope: &Scope, depth: usize) -> Term {
         if depth == 0 || self.random.chance(25) {
-            let name = if self.random.chance(60) { self.int_name(scope) } else { None };
+            let name = if self.random.chance(75) { self.int_name(scope) } else { None };
             return name.unwrap_or_else(|| self.literal_term());
         }
         match self.random.below(100) {
@@ -767,7 +796,10 @@ impl Generator {
     }
 
     fn comparison(&mut self, scope: &Scope, depth: usize) -> Term {
-        let a = self.int(scope, depth - 1);
+        let mut a = self.int(scope, depth - 1);
+        if !a.named && self.random.chance(80) {
+            a = self.int_name(scope).unwrap_or(a);
+        }
         let b = if self.random.chance(15) {
             let text = self.fraction(scope);
             Term { precedence: if text.contains('/') { 5 } else { 6 }, text, named: false }
