@@ -2,11 +2,16 @@
 mod arrows;
 mod check;
 mod command;
+#[cfg(feature = "gpu")]
+mod device;
 mod grid;
 mod io;
 mod oracle;
 mod papers;
+#[cfg(feature = "gpu")]
 mod parity;
 mod parse;
+#[cfg(feature = "gpu")]
 mod render;
+#[cfg(feature = "gpu")]
 mod scan;

@@ -1,1 +1,156 @@
-//! codegen
+//! From tables to WGSL: what the rules say is generated, all else is a file of `wgsl/`.
+//!
+//! Every module is parsed and validated by naga before a device sees it, with the capabilities of
+//! WebGPU's core alone. Errors are traced back to the file, or to the rule, that they come from.
+
+mod generate;
+mod link;
+
+use crate::language::Span;
+use crate::plan::Plan;
+use crate::plan::derive::StageId;
+use crate::plan::layout::Layout;
+use crate::plan::tables::Stage;
+
+/// Sizes that a device wants; they change no result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Tuning {
+    /// Invocations a workgroup of `match_modules`, `count`, `emit` and `retire`.
+    pub workgroup: u32,
+    /// Invocations a workgroup of `scan` and `compact`, a power of two.
+    pub scan_workgroup: u32,
+    /// Elements an invocation of these, a multiple of 32.
+    pub scan_items: u32,
+}
+
+impl Tuning {
+    /// For drivers that run on the CPU: barriers and loads are dear, threads are few.
+    pub const CPU_DRIVER: Tuning = Tuning { workgroup: 64, scan_workgroup: 64, scan_items: 256 };
+    /// For GPUs.
+    pub const GPU: Tuning = Tuning { workgroup: 64, scan_workgroup: 256, scan_items: 32 };
+
+    /// Elements of a tile of `scan` and `compact`.
+    pub fn tile(&self) -> u32 {
+        self.scan_workgroup * self.scan_items
+    }
+}
+
+/// A linked and validated WGSL module.
+#[derive(Clone, Debug)]
+pub struct Shader {
+    /// The kernel's file, without `.wgsl`.
+    pub name: &'static str,
+    pub source: String,
+    pub module: naga::Module,
+}
+
+/// A module that naga refuses.
+#[derive(Debug, thiserror::Error)]
+#[error("kernel {kernel}, {place}: {message}")]
+pub struct Error {
+    pub kernel: &'static str,
+    /// The file and line of `wgsl/`, or the rule.
+    pub place: String,
+    pub message: String,
+    /// The rule whose generated code it is.
+    pub rule: Option<Span>,
+}
+
+/// The kernels of a stage that depend on its rules.
+pub struct StageShaders {
+    pub match_modules: Shader,
+    pub count: Shader,
+    pub emit: Shader,
+}
+
+/// Generates, links and validates the kernels of a stage.
+pub fn stage(plan: &Plan, id: StageId, tuning: &Tuning) -> Result<StageShaders, Error> {
+    let stage = id.of(plan);
+    let constants = stage_constants(plan, stage, tuning);
+    let layout = plan.tables.layout;
+    let matching = generate::matching(plan, stage);
+    let mut match_parts = generate::record(&layout, false);
+    match_parts.append(matching.clone());
+    let mut emit_parts = generate::record(&layout, true);
+    emit_parts.append(matching);
+    emit_parts.append(generate::successors(plan, stage));
+    Ok(StageShaders {
+        match_modules: build("match_modules", &constants, match_parts)?,
+        count: build("count", &constants, generate::Text::default())?,
+        emit: build("emit", &constants, emit_parts)?,
+    })
+}
+
+/// The kernels that know only the layout.
+pub struct SharedShaders {
+    pub scan: Shader,
+    pub compact: Shader,
+    pub retire: Shader,
+}
+
+/// Links and validates the kernels that know only the layout.
+pub fn shared(layout: &Layout, tuning: &Tuning) -> Result<SharedShaders, Error> {
+    Ok(SharedShaders {
+        scan: build("scan", &scan_constants(tuning), generate::Text::default())?,
+        compact: build("compact", &scan_constants(tuning), generate::Text::default())?,
+        retire: build("retire", &layout_constants(layout, tuning), generate::Text::default())?,
+    })
+}
+
+/// The kernels that measure the device: `copy` and `expand`.
+pub fn measures(tuning: &Tuning) -> Result<[Shader; 2], Error> {
+    let constants = format!("const WORKGROUP = {}u;\n", tuning.workgroup);
+    Ok([
+        build("copy", &constants, generate::Text::default())?,
+        build("expand", &constants, generate::Text::default())?,
+    ])
+}
+
+fn layout_constants(layout: &Layout, tuning: &Tuning) -> String {
+    format!(
+        "const WORKGROUP = {}u;\nconst QUADS = {}u;\nconst POINTS = {}u;\n",
+        tuning.workgroup,
+        layout.record_words / 4,
+        layout.net_points()
+    )
+}
+
+fn stage_constants(plan: &Plan, stage: &Stage, tuning: &Tuning) -> String {
+    let (_, table) = plan.environment_layout();
+    let words = (table + stage.productions.len() + 2).next_multiple_of(4);
+    format!(
+        "{}const ENVIRONMENT_QUADS = {}u;\nconst RULE_TABLE = {table}u;\nconst KEEP = {}u;\n\
+         const CLOSED = {}u;\nconst ONLY_RULE_WORD = {}u;\n",
+        layout_constants(&plan.tables.layout, tuning),
+        words / 4,
+        stage.keep(),
+        stage.closed.unwrap_or(0),
+        only_rule_word(stage),
+    )
+}
+
+/// The word of all rules that can fire, where it is one; 0 where it is not.
+fn only_rule_word(stage: &Stage) -> u32 {
+    if stage.closed.is_none() {
+        return 0;
+    }
+    let mut words = stage.by_symbol.iter().filter_map(|ids| Some(stage.productions[*ids.first()?].word()));
+    let first = words.next().unwrap_or(0);
+    if words.all(|w| w == first) { first } else { 0 }
+}
+
+fn scan_constants(tuning: &Tuning) -> String {
+    format!(
+        "const WORKGROUP = {}u;\nconst ITEMS = {}u;\nconst ITEM_WORDS = {}u;\nconst TILE = {}u;\n",
+        tuning.scan_workgroup,
+        tuning.scan_items,
+        tuning.scan_items.div_ceil(32),
+        tuning.tile()
+    )
+}
+
+fn build(name: &'static str, constants: &str, generated: generate::Text) -> Result<Shader, Error> {
+    let linked = link::link(name, constants, &generated);
+    let module = link::validate(name, &linked)?;
+    Ok(Shader { name, source: linked.source, module })
+}

@@ -1,1 +1,278 @@
-//! cpu
+//! The CPU backend: the passes of [`crate::plan::step`] over slices, in parallel, with the same
+//! result whatever the number of threads.
+//!
+//! Every kernel of `wgsl/` has its twin here under the same name.
+
+pub mod compact;
+pub mod copy;
+pub mod count;
+pub mod emit;
+pub mod expand;
+pub mod match_modules;
+pub mod program;
+pub mod retire;
+pub mod scan;
+
+use crate::language::expr::Value;
+use crate::patch;
+use crate::plan::compare::{Trace, Traced};
+use crate::plan::derive::{self, Backend, Options, Outcome, StageId};
+use crate::plan::layout::Layout;
+use crate::plan::step::Status;
+use crate::plan::tables::Stage;
+use crate::plan::{Error, Plan};
+use program::StageProgram;
+use std::collections::HashMap;
+
+/// Modules that one task of a pass works on.
+pub const BLOCK: usize = 1024;
+
+/// Records and nets of a chunk. The vectors come from a pool and may be longer than the chunk.
+pub struct Chunk {
+    records: Vec<u32>,
+    nets: Vec<[f32; 4]>,
+    len: usize,
+}
+
+/// The backend. One belongs to one plan and one set of uniforms.
+pub struct Cpu<'a> {
+    plan: &'a Plan,
+    uniforms: Vec<u32>,
+    programs: HashMap<StageId, StageProgram>,
+    threads: rayon::ThreadPool,
+    pool: Pool,
+    trace: Option<Trace>,
+    columns: Columns,
+}
+
+/// Columns that live for one sweep, kept for the next.
+#[derive(Default)]
+struct Columns {
+    rules: Vec<u32>,
+    counts: Vec<u32>,
+    offsets: Vec<u32>,
+    retired: Vec<u32>,
+}
+
+impl<'a> Cpu<'a> {
+    /// A backend with `threads` threads; 0 = one for each core.
+    ///
+    /// # Errors
+    /// When the operating system gives no threads.
+    pub fn new(plan: &'a Plan, uniforms: &[Value], threads: usize) -> Result<Cpu<'a>, Error> {
+        let threads = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .map_err(|e| Error::Value(format!("the CPU backend could not start its threads: {e}")))?;
+        Ok(Cpu {
+            plan,
+            uniforms: uniforms.iter().flat_map(Value::words).collect(),
+            programs: HashMap::new(),
+            threads,
+            pool: Pool { layout: plan.tables.layout, chunks: Vec::new() },
+            trace: None,
+            columns: Columns::default(),
+        })
+    }
+
+    fn sweep(
+        &mut self,
+        id: StageId,
+        program: &StageProgram,
+        columns: &mut Columns,
+        step: u32,
+        chunk: Chunk,
+        room: u64,
+    ) -> Outcome<Chunk> {
+        let stage: &Stage = id.of(self.plan);
+        let layout = self.plan.tables.layout;
+        let input = program::Input {
+            records: &chunk.records[..chunk.len * layout.record_words],
+            layout,
+            uniforms: &self.uniforms,
+            step,
+        };
+        let n = chunk.len;
+        let (total, retired, status) = match stage.closed {
+            Some(growth) => (n * growth as usize, 0, Status { fired: 1, ..Status::default() }),
+            None => self.threads.install(|| columns.fill(stage, program, &input, n)),
+        };
+        if status.too_deep != 0 {
+            return Outcome::TooDeep;
+        }
+        let modules = (total + retired) as u64;
+        if modules * layout.module_bytes() > room {
+            return Outcome::NoRoom { needed: modules * layout.module_bytes(), modules };
+        }
+        let mut next = take_if(total, || self.pool.take(total));
+        let mut finished = take_if(retired, || self.pool.take(retired));
+        let nets = &chunk.nets[..n * layout.net_points()];
+        let fits = self.threads.install(|| {
+            let fits = next.as_mut().is_none_or(|next| {
+                let out = emit::Output {
+                    records: &mut next.records[..total * layout.record_words],
+                    nets: &mut next.nets[..total * layout.net_points()],
+                };
+                emit::emit(stage, program, &input, nets, &columns.rules, &columns.offsets, out)
+            });
+            if let Some(out) = &mut finished {
+                retire::retire(&input, nets, &columns.retired, &mut out.records, &mut out.nets);
+            }
+            fits
+        });
+        self.pool.give(chunk);
+        if !fits {
+            return Outcome::TooDeep;
+        }
+        let retired = finished.map(|c| (c, status.retired_symbols));
+        Outcome::Done { next, retired, fired: status.fired != 0 }
+    }
+}
+
+/// Chunks to be used again. It keeps a few, since a step needs at most one in and two out.
+struct Pool {
+    layout: Layout,
+    chunks: Vec<Chunk>,
+}
+
+impl Pool {
+    /// A chunk with room for `len` modules; what it holds is anything.
+    fn take(&mut self, len: usize) -> Chunk {
+        let (words, points) = (len * self.layout.record_words, len * self.layout.net_points());
+        let fits = |c: &Chunk| c.records.len() >= words && c.nets.len() >= points;
+        let smallest = (0..self.chunks.len())
+            .filter(|&i| fits(&self.chunks[i]))
+            .min_by_key(|&i| self.chunks[i].nets.len());
+        match smallest {
+            Some(i) => Chunk { len, ..self.chunks.swap_remove(i) },
+            None => Chunk { records: vec![0; words], nets: vec![[0.0; 4]; points], len },
+        }
+    }
+
+    /// Back to the pool.
+    fn give(&mut self, chunk: Chunk) {
+        self.chunks.push(chunk);
+        if self.chunks.len() > 4 {
+            let least = (0..self.chunks.len()).min_by_key(|&i| self.chunks[i].nets.len()).unwrap_or(0);
+            self.chunks.swap_remove(least);
+        }
+    }
+}
+
+fn take_if(len: usize, take: impl FnOnce() -> Chunk) -> Option<Chunk> {
+    (len > 0).then(take)
+}
+
+impl Columns {
+    /// match → count → scan, and compact: how many modules come, how many are retired, what the
+    /// chunk says.
+    fn fill(
+        &mut self,
+        stage: &Stage,
+        program: &StageProgram,
+        input: &program::Input,
+        n: usize,
+    ) -> (usize, usize, Status) {
+        self.rules.resize(n, 0);
+        self.counts.resize(n, 0);
+        self.offsets.resize(n + 1, 0);
+        let status = match_modules::match_modules(stage, program, input, &mut self.rules);
+        count::count(&stage.rule_words(), &self.rules, &mut self.counts);
+        scan::scan(&self.counts, &mut self.offsets);
+        if stage.may_retire() {
+            compact::compact(&self.rules, stage.retired(), &mut self.retired);
+        }
+        (self.offsets[n] as usize, self.retired.len(), status)
+    }
+
+    fn clear(&mut self) {
+        self.rules.clear();
+        self.counts.clear();
+        self.offsets.clear();
+        self.retired.clear();
+    }
+}
+
+impl Backend for Cpu<'_> {
+    type Chunk = Chunk;
+    type Error = Error;
+
+    fn upload(&mut self, records: Vec<u32>, nets: Vec<[f32; 4]>) -> Result<Chunk, Error> {
+        let len = records.len() / self.plan.tables.layout.record_words;
+        Ok(Chunk { records, nets, len })
+    }
+
+    fn read(&mut self, chunk: &Chunk) -> Result<(Vec<u32>, Vec<[f32; 4]>), Error> {
+        let layout = &self.plan.tables.layout;
+        let records = chunk.records[..chunk.len * layout.record_words].to_vec();
+        Ok((records, chunk.nets[..chunk.len * layout.net_points()].to_vec()))
+    }
+
+    fn len(&self, chunk: &Chunk) -> usize {
+        chunk.len
+    }
+
+    /// 128 MiB of nets, as on a GPU with default limits: smaller chunks are freed earlier.
+    fn most_modules(&self) -> usize {
+        (128 << 20) / self.plan.tables.layout.net_bytes() as usize
+    }
+
+    fn split(&mut self, chunk: Chunk, most: usize) -> Result<Vec<Chunk>, Error> {
+        let layout = &self.plan.tables.layout;
+        let (words, points) = (layout.record_words, layout.net_points());
+        let piece = |start: usize| {
+            let len = most.min(chunk.len - start);
+            Chunk {
+                records: chunk.records[start * words..(start + len) * words].to_vec(),
+                nets: chunk.nets[start * points..(start + len) * points].to_vec(),
+                len,
+            }
+        };
+        Ok((0..chunk.len).step_by(most).map(piece).collect())
+    }
+
+    fn step(&mut self, id: StageId, step: u32, chunk: Chunk, room: u64) -> Result<Outcome<Chunk>, Error> {
+        let program = match self.programs.remove(&id) {
+            Some(program) => program,
+            None => StageProgram::new(self.plan, id.of(self.plan)),
+        };
+        let mut columns = std::mem::take(&mut self.columns);
+        columns.clear();
+        let outcome = self.sweep(id, &program, &mut columns, step, chunk, room);
+        if let Some(trace) = &mut self.trace {
+            *trace = Trace {
+                rules: columns.rules.clone(),
+                counts: columns.counts.clone(),
+                offsets: columns.offsets.clone(),
+                retired: columns.retired.clone(),
+            };
+        }
+        self.columns = columns;
+        self.programs.insert(id, program);
+        Ok(outcome)
+    }
+}
+
+impl Traced for Cpu<'_> {
+    fn trace(&self) -> &Trace {
+        const EMPTY: &Trace =
+            &Trace { rules: Vec::new(), counts: Vec::new(), offsets: Vec::new(), retired: Vec::new() };
+        self.trace.as_ref().unwrap_or(EMPTY)
+    }
+    fn set_traced(&mut self) {
+        self.trace = Some(Trace::default());
+    }
+}
+
+/// Derives the whole schedule on the CPU and reads the word; how it went, too.
+pub fn derive(
+    plan: &Plan,
+    axiom: &patch::Axiom,
+    options: &Options,
+    threads: usize,
+) -> Result<(patch::Word, derive::Derivation<Chunk>), Error> {
+    let uniforms = plan.uniforms(&options.set)?;
+    let mut cpu = Cpu::new(plan, &uniforms, threads)?;
+    let derivation = derive::derive(plan, axiom, &uniforms, options, &mut cpu)?;
+    Ok((derive::collect(plan, &mut cpu, &derivation)?, derivation))
+}

@@ -1,1 +1,86 @@
-//! gpu
+//! The GPU engine: the passes of [`crate::plan::step`] as compute kernels on a borrowed device.
+//!
+//! The engine owns no device and no queue: it is made from the caller's, needs no feature and only
+//! WebGPU's default limits, and waits nowhere but where it reads.
+
+mod backend;
+mod buffers;
+mod headless;
+mod kernels;
+mod scans;
+
+pub use backend::{Gpu, GpuChunk, derive};
+pub use headless::{Headless, Requirement, adapters};
+pub use scans::{Bandwidth, Measure, ScanBuffers, Scans};
+
+use crate::codegen::{self, Tuning};
+use crate::plan;
+
+/// What can go wrong on a device.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    #[error(transparent)]
+    Plan(#[from] plan::Error),
+    #[error("burgeon generated a kernel that naga refuses: {0}")]
+    Codegen(#[from] codegen::Error),
+    /// A validation error, or memory that the device does not have.
+    #[error("{doing}: {message}")]
+    Device { doing: &'static str, message: String },
+    #[error("{doing}: the device was lost; make a new one and run again")]
+    Lost { doing: &'static str },
+    /// A buffer of the caller's is too small; nothing was written past its end.
+    #[error("{buffer} holds {capacity} modules and {needed} are needed")]
+    Capacity { buffer: &'static str, needed: u64, capacity: u64 },
+    #[error("{0}")]
+    NoAdapter(String),
+}
+
+/// The engine: a device, its queue, and the sizes that suit it.
+#[derive(Clone, Debug)]
+pub struct Engine {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    tuning: Tuning,
+}
+
+impl Engine {
+    /// An engine on the caller's device.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Engine {
+        let tuning = match device.adapter_info().device_type {
+            wgpu::DeviceType::Cpu => Tuning::CPU_DRIVER,
+            _ => Tuning::GPU,
+        };
+        Engine::with_tuning(device, queue, tuning)
+    }
+
+    /// The same with sizes of the caller's choice; no result depends on them.
+    pub fn with_tuning(device: &wgpu::Device, queue: &wgpu::Queue, tuning: Tuning) -> Engine {
+        Engine { device: device.clone(), queue: queue.clone(), tuning }
+    }
+
+    pub fn device(&self) -> &wgpu::Device {
+        &self.device
+    }
+    pub fn queue(&self) -> &wgpu::Queue {
+        &self.queue
+    }
+    pub fn tuning(&self) -> &Tuning {
+        &self.tuning
+    }
+
+    /// Runs `work` within error scopes: a validation error or a lack of memory becomes an error.
+    fn checked<T>(&self, doing: &'static str, work: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
+        let filters = [wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation, wgpu::ErrorFilter::Internal];
+        let scopes = filters.map(|f| self.device.push_error_scope(f));
+        let result = work();
+        // The innermost scope was pushed last.
+        let mut found = None;
+        for scope in scopes.into_iter().rev() {
+            found = pollster::block_on(scope.pop()).or(found);
+        }
+        match found {
+            Some(error) => Err(Error::Device { doing, message: error.to_string() }),
+            None => result,
+        }
+    }
+}

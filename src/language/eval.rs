@@ -1,1 +1,231 @@
+//! The host's evaluator: constants, axiom arguments, counts of `run:`, derived consts.
 //!
+//! It uses the same rows of the table as the backends, one word at a time. For rows that no
+//! backend runs yet it has functions of its own in f32, so that every constant folds.
+
+use super::expr::{Expr, ExprKind, Value};
+use super::ops::{Op, Row};
+use super::syntax::Span;
+
+/// Why an expression has no value on the host.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum EvalError {
+    #[error("`{what}` has no value here: only constants and params have one before the run")]
+    NotConstant { what: String, span: Span },
+    #[error("`{what}` cannot be computed on the host")]
+    NotOnHost { what: &'static str, span: Span },
+}
+
+impl EvalError {
+    /// Where it stands.
+    pub fn span(&self) -> Span {
+        match self {
+            EvalError::NotConstant { span, .. } | EvalError::NotOnHost { span, .. } => *span,
+        }
+    }
+}
+
+/// The value of an expression over uniforms alone.
+pub fn eval(expr: &Expr, uniforms: &[Value]) -> Result<Value, EvalError> {
+    let not_constant = |what: String| EvalError::NotConstant { what, span: expr.span };
+    let all = |args: &[Expr]| args.iter().map(|a| eval(a, uniforms)).collect::<Result<Vec<_>, _>>();
+    match &expr.kind {
+        ExprKind::Literal(value) => Ok(value.clone()),
+        ExprKind::Uniform(index) => {
+            uniforms.get(*index).cloned().ok_or_else(|| not_constant(format!("uniform {index}")))
+        }
+        ExprKind::Call(op, args) => apply(*op, &all(args)?)
+            .ok_or_else(|| EvalError::NotOnHost { what: op.row().name, span: expr.span }),
+        ExprKind::Vector(args) => {
+            let components: Option<Vec<f32>> = all(args)?.iter().map(scalar).collect();
+            components
+                .and_then(|c| vector(&c))
+                .ok_or(EvalError::NotOnHost { what: "a vector", span: expr.span })
+        }
+        ExprKind::Component(base, index) => {
+            let value = eval(base, uniforms)?;
+            let component = value.components().get(*index).copied();
+            component.map(Value::Float).ok_or(EvalError::NotOnHost { what: "a component", span: expr.span })
+        }
+        ExprKind::Element(list, index) => {
+            let Value::Int(index) = eval(index, uniforms)? else {
+                return Err(EvalError::NotOnHost { what: "an index", span: expr.span });
+            };
+            let last = list.len().saturating_sub(1);
+            let element = list.get(usize::try_from(index).unwrap_or(0).min(last));
+            element.cloned().ok_or(EvalError::NotOnHost { what: "an empty list", span: expr.span })
+        }
+        ExprKind::Binder(_) => Err(not_constant("a bound name".into())),
+        ExprKind::Let(_) => Err(not_constant("a name after `let`".into())),
+        ExprKind::Attribute(name) => Err(not_constant(name.to_string())),
+        ExprKind::Random { function, .. } => Err(not_constant(function.to_string())),
+        ExprKind::Sample(..) => Err(not_constant("a query".into())),
+    }
+}
+
+/// The value of an operation. `None` if the host has none for it, or if the arguments have not
+/// the types of its row.
+pub fn apply(op: Op, args: &[Value]) -> Option<Value> {
+    let row = op.row();
+    if row.args.len() != args.len() || row.args.iter().zip(args).any(|(ty, value)| *ty != value.ty()) {
+        return None;
+    }
+    match row.cpu {
+        Some(cpu) => {
+            let words: Vec<u32> = args.iter().flat_map(Value::words).collect();
+            Some(Value::from_words(&row.result, &[cpu.word(&words)?]))
+        }
+        None => host(row, args),
+    }
+}
+
+/// Rows that no backend runs yet.
+fn host(row: &Row, args: &[Value]) -> Option<Value> {
+    if let [Value::Bool(condition), then, otherwise] = args {
+        return Some(if *condition { then.clone() } else { otherwise.clone() });
+    }
+    let columns: Vec<&[f32]> = args.iter().map(Value::components).collect();
+    match columns.as_slice() {
+        [a] => one(row.name, a),
+        [a, b] => two(row.name, a, b),
+        [a, b, c] => three(row.name, a, b, c),
+        _ => None,
+    }
+}
+
+fn one(name: &str, a: &[f32]) -> Option<Value> {
+    let each = |f: fn(f32) -> f32| vector(&a.iter().map(|x| f(*x)).collect::<Vec<_>>());
+    match name {
+        "-" => each(|x| -x),
+        "abs" => each(f32::abs),
+        "sign" => each(|x| if x == 0.0 { 0.0 } else { x.signum() }),
+        "floor" => each(f32::floor),
+        "ceil" => each(f32::ceil),
+        "round" => each(f32::round_ties_even),
+        "fract" => each(|x| x - x.floor()),
+        "exp" => each(f32::exp),
+        "exp2" => each(f32::exp2),
+        "log" => each(f32::ln),
+        "log2" => each(f32::log2),
+        "sin" => each(f32::sin),
+        "cos" => each(f32::cos),
+        "tan" => each(f32::tan),
+        "asin" => each(f32::asin),
+        "acos" => each(f32::acos),
+        "atan" => each(f32::atan),
+        "radians" => each(f32::to_radians),
+        "degrees" => each(f32::to_degrees),
+        "length" => Some(Value::Float(length(a))),
+        "normalize" => {
+            let length = length(a);
+            vector(&a.iter().map(|x| x / length).collect::<Vec<_>>())
+        }
+        _ => None,
+    }
+}
+
+fn two(name: &str, a: &[f32], b: &[f32]) -> Option<Value> {
+    let each = |f: fn(f32, f32) -> f32| vector(&pairs(a, b).map(|(x, y)| f(x, y)).collect::<Vec<_>>());
+    match (name, a, b) {
+        ("+", ..) => each(|x, y| x + y),
+        ("-", ..) => each(|x, y| x - y),
+        ("*", ..) => each(|x, y| x * y),
+        ("/", ..) => each(|x, y| x / y),
+        ("%", ..) => each(|x, y| x - y * (x / y).trunc()),
+        ("min", ..) => each(f32::min),
+        ("max", ..) => each(f32::max),
+        ("pow", ..) => each(f32::powf),
+        ("atan2", ..) => each(f32::atan2),
+        ("step", ..) => each(|edge, x| if x < edge { 0.0 } else { 1.0 }),
+        ("dot", ..) => Some(Value::Float(dot(a, b))),
+        ("distance", ..) => {
+            let difference: Vec<f32> = pairs(a, b).map(|(x, y)| x - y).collect();
+            Some(Value::Float(length(&difference)))
+        }
+        ("cross", &[ax, ay], &[bx, by]) => Some(Value::Float(ax * by - ay * bx)),
+        ("cross", &[..], &[..]) => cross(a, b).map(Value::Vec3),
+        ("rotate", &[x, y], &[angle]) => {
+            let (sin, cos) = angle.to_radians().sin_cos();
+            Some(Value::Vec2([x * cos - y * sin, x * sin + y * cos]))
+        }
+        _ => None,
+    }
+}
+
+fn three(name: &str, a: &[f32], b: &[f32], c: &[f32]) -> Option<Value> {
+    let each = |f: fn(f32, f32, f32) -> f32| {
+        vector(&pairs(a, b).zip(c.iter().cycle()).map(|((x, y), z)| f(x, y, *z)).collect::<Vec<_>>())
+    };
+    match (name, b, c) {
+        ("clamp", ..) => each(|x, low, high| x.max(low).min(high)),
+        ("mix", ..) => each(|x, y, t| x * (1.0 - t) + y * t),
+        ("smoothstep", ..) => {
+            // Its arguments are the two edges, then the place between them.
+            each(|low, high, x| {
+                let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
+                t * t * (3.0 - 2.0 * t)
+            })
+        }
+        ("rotate", _, &[angle]) => turn(a, b, angle).map(Value::Vec3),
+        _ => None,
+    }
+}
+
+/// `v` about an axis, by Rodrigues' formula.
+fn turn(v: &[f32], axis: &[f32], angle: f32) -> Option<[f32; 3]> {
+    let length = length(axis);
+    let k: Vec<f32> = axis.iter().map(|x| x / length).collect();
+    let (sin, cos) = angle.to_radians().sin_cos();
+    let (side, along) = (cross(&k, v)?, dot(&k, v) * (1.0 - cos));
+    let component = |i: usize| Some(v.get(i)? * cos + side[i] * sin + k.get(i)? * along);
+    Some([component(0)?, component(1)?, component(2)?])
+}
+
+fn cross(a: &[f32], b: &[f32]) -> Option<[f32; 3]> {
+    let (&[ax, ay, az], &[bx, by, bz]) = (a, b) else { return None };
+    Some([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
+}
+
+fn dot(a: &[f32], b: &[f32]) -> f32 {
+    pairs(a, b).map(|(x, y)| x * y).sum()
+}
+
+fn length(a: &[f32]) -> f32 {
+    dot(a, a).sqrt()
+}
+
+/// Component by component; a number goes with each component of a vector.
+fn pairs<'a>(a: &'a [f32], b: &'a [f32]) -> impl Iterator<Item = (f32, f32)> + 'a {
+    a.iter().copied().cycle().zip(b.iter().copied().cycle()).take(a.len().max(b.len()))
+}
+
+fn scalar(value: &Value) -> Option<f32> {
+    match value {
+        Value::Float(x) => Some(*x),
+        _ => None,
+    }
+}
+
+/// A number from one component, a vector from several.
+fn vector(components: &[f32]) -> Option<Value> {
+    Some(match *components {
+        [x] => Value::Float(x),
+        [x, y] => Value::Vec2([x, y]),
+        [x, y, z] => Value::Vec3([x, y, z]),
+        [x, y, z, w] => Value::Vec4([x, y, z, w]),
+        _ => return None,
+    })
+}
+
+impl Value {
+    /// The components of a vector, or a float as its only one; none of other values.
+    pub fn components(&self) -> &[f32] {
+        match self {
+            Value::Float(x) => std::slice::from_ref(x),
+            Value::Vec2(v) => v,
+            Value::Vec3(v) => v,
+            Value::Vec4(v) => v,
+            Value::Bool(_) | Value::Int(_) | Value::List(_) => &[],
+        }
+    }
+}

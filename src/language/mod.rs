@@ -7,6 +7,7 @@ pub mod lex;
 pub mod ops;
 pub mod parse;
 pub mod print;
+pub mod rational;
 pub mod syntax;
 pub mod system;
 

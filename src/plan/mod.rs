@@ -1,1 +1,194 @@
-//! plan
+//! What will run: layout, rule tables, schedule, growth, and the derivation itself.
+//!
+//! Start with [`layout`] (what a module is in memory), then [`step`] (one step, written once).
+
+pub mod compare;
+pub mod derive;
+pub mod layout;
+pub mod schedule;
+pub mod size;
+pub mod step;
+pub mod supported;
+pub mod tables;
+
+use crate::language::expr::Value;
+use crate::language::system::{System, UniformKind};
+use crate::language::{Type, eval};
+use crate::patch;
+use std::sync::Arc;
+
+pub use derive::{Backend, Derivation, Options, Progress};
+pub use supported::Unsupported;
+pub use tables::Tables;
+
+/// Why a derivation could not be planned or carried out, whatever the backend.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    #[error(transparent)]
+    Unsupported(#[from] Unsupported),
+    /// A value of `set` does not fit.
+    #[error("{0}")]
+    Set(String),
+    /// An expression of the axiom or the schedule has no value.
+    #[error("{0}")]
+    Value(String),
+    /// The axiom and the system do not fit together.
+    #[error("{0}")]
+    Axiom(String),
+    #[error(
+        "the word would hold at least {needed} bytes ({modules} modules) after step {step}; \
+         the memory budget is {budget} bytes: derive fewer steps or raise it"
+    )]
+    Memory { needed: u64, modules: u64, step: u32, budget: u64 },
+    #[error(
+        "a net was halved more than {} times along one direction, more than an address can hold (step {step})",
+        layout::MAX_HALVINGS
+    )]
+    TooDeep { step: u32 },
+    #[error("the derivation was stopped after {steps} steps")]
+    Stopped { steps: u32 },
+}
+
+/// A system made ready for any backend.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    pub system: Arc<System>,
+    pub tables: Tables,
+}
+
+impl Plan {
+    /// Builds the tables, or names what this version does not derive.
+    pub fn new(system: &System) -> Result<Plan, Unsupported> {
+        Ok(Plan { tables: Tables::new(system)?, system: Arc::new(system.clone()) })
+    }
+
+    /// The values of all uniforms: the params' defaults, replaced by `set`, and what derives from them.
+    ///
+    /// # Errors
+    /// [`Error::Set`] for a name that is no param, a value of another type, or one out of its range.
+    pub fn uniforms(&self, set: &[(String, Value)]) -> Result<Vec<Value>, Error> {
+        for (name, _) in set {
+            if !self.system.uniforms.iter().any(|u| u.name == *name && is_param(&u.kind)) {
+                return Err(Error::Set(self.no_such_param(name)));
+            }
+        }
+        let mut values: Vec<Value> = Vec::with_capacity(self.system.uniforms.len());
+        for uniform in &self.system.uniforms {
+            let value = match &uniform.kind {
+                UniformKind::Derived(e) => eval::eval(e, &values)
+                    .map_err(|e| Error::Value(format!("const {}: {e}", uniform.name)))?,
+                UniformKind::Param { default, range } => {
+                    match set.iter().rev().find(|(name, _)| *name == uniform.name) {
+                        None => default.clone(),
+                        Some((_, value)) => fit(&uniform.name, &uniform.ty, value, range.as_ref())?,
+                    }
+                }
+            };
+            values.push(value);
+        }
+        Ok(values)
+    }
+
+    fn no_such_param(&self, name: &str) -> String {
+        let params: Vec<&str> =
+            self.system.uniforms.iter().filter(|u| is_param(&u.kind)).map(|u| u.name.as_str()).collect();
+        match params.as_slice() {
+            [] => format!("`{name}` cannot be set: the system {} has no params", self.system.name),
+            list => format!("`{name}` is no param of {}; it has {}", self.system.name, list.join(", ")),
+        }
+    }
+
+    /// The environment buffer of a stage: the uniforms' words, then from a multiple of four the
+    /// rule table.
+    pub fn environment(&self, stage: &tables::Stage, uniforms: &[Value]) -> Vec<u32> {
+        let mut words: Vec<u32> = uniforms.iter().flat_map(Value::words).collect();
+        words.resize(words.len().next_multiple_of(4), 0);
+        words.extend(stage.rule_words());
+        words.resize(words.len().next_multiple_of(4), 0);
+        words
+    }
+
+    /// For each uniform the word of the environment where it begins, and the word where the rule
+    /// table begins.
+    pub fn environment_layout(&self) -> (Vec<usize>, usize) {
+        let mut at = 0;
+        let starts = self
+            .system
+            .uniforms
+            .iter()
+            .map(|u| {
+                at += u.ty.words();
+                at - u.ty.words()
+            })
+            .collect();
+        (starts, at.next_multiple_of(4))
+    }
+
+    /// The word of the axiom as records and nets: each root a module.
+    pub fn axiom(
+        &self,
+        axiom: &patch::Axiom,
+        uniforms: &[Value],
+    ) -> Result<(Vec<u32>, Vec<[f32; 4]>), Error> {
+        let layout = &self.tables.layout;
+        let mut records = Vec::with_capacity(axiom.roots.len() * layout.record_words);
+        let mut nets = Vec::with_capacity(axiom.roots.len() * layout.net_points());
+        for (root, start) in axiom.roots.iter().enumerate() {
+            if start.net.degree != layout.degree {
+                let ([u, v], [m, n]) = (start.net.degree, layout.degree);
+                return Err(Error::Axiom(format!(
+                    "patch {root} of the axiom has degree {u}×{v}; {} rewrites nets of degree {m}×{n}",
+                    self.system.name
+                )));
+            }
+            let mut record = vec![0u32; layout.record_words];
+            layout::Header { symbol: start.symbol as u16, root: root as u32, ..Default::default() }
+                .write(&mut record);
+            let symbol = &self.tables.symbols[start.symbol];
+            for (arg, &at) in start.args.iter().zip(&symbol.words) {
+                let value = eval::eval(arg, uniforms)
+                    .map_err(|e| Error::Value(format!("axiom, argument of {}: {e}", symbol.name)))?;
+                for (n, word) in value.words().into_iter().enumerate() {
+                    record[at + n] = word;
+                }
+            }
+            records.extend(record);
+            nets.extend(&start.net.points);
+        }
+        Ok((records, nets))
+    }
+}
+
+fn is_param(kind: &UniformKind) -> bool {
+    matches!(kind, UniformKind::Param { .. })
+}
+
+/// The value as the param's type, within its range.
+fn fit(name: &str, ty: &Type, value: &Value, range: Option<&(Value, Value)>) -> Result<Value, Error> {
+    let value = match (ty, value) {
+        (Type::Float, Value::Int(i)) => Value::Float(*i as f32),
+        (ty, value) if value.ty() == *ty => value.clone(),
+        (ty, value) => return Err(Error::Set(format!("param {name} is of type {ty}, not {}", value.ty()))),
+    };
+    let inside = |low: &Value, high: &Value| match (&value, low, high) {
+        (Value::Int(v), Value::Int(l), Value::Int(h)) => l <= v && v <= h,
+        (Value::Float(v), Value::Float(l), Value::Float(h)) => l <= v && v <= h,
+        _ => true,
+    };
+    match range {
+        Some((low, high)) if !inside(low, high) => {
+            let (low, high) = (show(low), show(high));
+            Err(Error::Set(format!("param {name} = {} lies outside {low} .. {high}", show(&value))))
+        }
+        _ => Ok(value),
+    }
+}
+
+fn show(value: &Value) -> String {
+    match value {
+        Value::Int(i) => i.to_string(),
+        Value::Float(x) => x.to_string(),
+        Value::Bool(b) => b.to_string(),
+        other => format!("{other:?}"),
+    }
+}

@@ -1,1 +1,166 @@
-//! The offscreen picture.
+//! The offscreen picture: a mesh, lit from both sides, as an image.
+//!
+//! Needs nothing but WebGPU's default limits, no optional feature, and borrows its device.
+
+mod batch;
+mod camera;
+mod draw;
+
+use crate::io::png::Image;
+use crate::tessellate::Mesh;
+use thiserror::Error;
+
+/// What a picture shows and how.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// In pixels, 1..=8192.
+    pub width: u32,
+    /// In pixels, 1..=8192.
+    pub height: u32,
+    pub up: Up,
+    pub camera: Camera,
+    /// sRGB of the side that the normals point to.
+    pub front: [u8; 3],
+    /// sRGB of the other side.
+    pub back: [u8; 3],
+    /// sRGB of the background, at the top and at the bottom.
+    pub background: [[u8; 3]; 2],
+    /// Edges to draw as thin lines, as pairs of vertices of the mesh; for the sides of the leaves take
+    /// [`borders`](crate::tessellate::grid::borders).
+    pub lines: Vec<[u32; 2]>,
+    /// sRGB of the lines.
+    pub line_color: [u8; 3],
+    /// In pixels.
+    pub line_width: f32,
+}
+
+impl Default for Picture {
+    fn default() -> Picture {
+        Picture {
+            width: 960,
+            height: 720,
+            up: Up::Y,
+            camera: Camera::default(),
+            front: [222, 170, 118],
+            back: [112, 148, 176],
+            background: [[246, 247, 249], [205, 211, 219]],
+            lines: Vec::new(),
+            line_color: [52, 40, 36],
+            line_width: 1.2,
+        }
+    }
+}
+
+/// Which axis of the model points up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Up {
+    /// The front is seen from +z.
+    #[default]
+    Y,
+    /// The front is seen from −y.
+    Z,
+}
+
+/// From where the model is seen. The distance is such that it fills the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Camera {
+    /// In perspective; degrees from the front to the right and from the horizon up.
+    Around { azimuth: f32, elevation: f32 },
+    /// Straight from above, in parallel projection; the front is at the bottom.
+    Top,
+}
+
+impl Default for Camera {
+    /// Three quarters, from above.
+    fn default() -> Camera {
+        Camera::Around { azimuth: 28.0, elevation: 26.0 }
+    }
+}
+
+/// Why there is no picture.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum Error {
+    #[error("a picture of {width} × {height} pixels cannot be made; each side has 1 to {max}")]
+    Size { width: u32, height: u32, max: u32 },
+    #[error("vertex {vertex} is not finite, so there is nothing to frame")]
+    NotFinite { vertex: usize },
+    #[error("an index names vertex {index}, but the mesh has {vertices}")]
+    Index { index: u32, vertices: usize },
+    #[error("the mesh has {positions} positions but {normals} normals")]
+    Normals { positions: usize, normals: usize },
+    /// The device refused or ran out of memory; in its words.
+    #[error("the device cannot draw the picture: {0}")]
+    Device(String),
+}
+
+/// Draws a mesh and waits for the image.
+///
+/// The same mesh, options and device give the same bytes. A mesh without triangles gives the
+/// background.
+///
+/// # Errors
+/// When the size, an index or a position is out of range, or the device fails; nothing is reported
+/// through the device's uncaptured errors.
+pub fn render(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    mesh: &Mesh,
+    options: &Picture,
+) -> Result<Image, Error> {
+    check(device, mesh, options)?;
+    let unit = camera::Unit::of(&mesh.positions);
+    let scene = draw::Scene {
+        batches: batch::batches(mesh, &unit, draw::buffer_limit(device))?,
+        lines: batch::lines(mesh, &unit, &options.lines)?,
+        view: view(mesh, &unit, options),
+    };
+    draw::draw(device, queue, &scene, [options.width, options.height])
+}
+
+fn check(device: &wgpu::Device, mesh: &Mesh, options: &Picture) -> Result<(), Error> {
+    let (width, height) = (options.width, options.height);
+    let max = device.limits().max_texture_dimension_2d.min(8192);
+    if width == 0 || height == 0 || width.max(height) > max {
+        return Err(Error::Size { width, height, max });
+    }
+    let (positions, normals) = (mesh.positions.len(), mesh.normals.len());
+    if positions != normals {
+        return Err(Error::Normals { positions, normals });
+    }
+    match mesh.positions.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+        Some(vertex) => Err(Error::NotFinite { vertex }),
+        None => Ok(()),
+    }
+}
+
+/// The record `View` of `wgsl/picture.wgsl`.
+fn view(mesh: &Mesh, unit: &camera::Unit, options: &Picture) -> [[f32; 4]; 11] {
+    let [width, height] = [options.width, options.height].map(f64::from);
+    let points: Vec<[f32; 3]> = mesh.positions.iter().map(|&p| unit.apply(p)).collect();
+    let camera::Framed { right, up, back, projection, sky } =
+        camera::frame(&points, options.camera, options.up, width / height);
+    let [top, bottom] = options.background.map(linear);
+    [
+        right,
+        up,
+        back,
+        projection,
+        sky,
+        linear(options.front),
+        linear(options.back),
+        top,
+        bottom,
+        linear(options.line_color),
+        [width as f32, height as f32, options.line_width, 0.0],
+    ]
+}
+
+/// sRGB to linear light, alpha 1.
+fn linear(color: [u8; 3]) -> [f32; 4] {
+    let decode = |byte: u8| {
+        let x = f32::from(byte) / 255.0;
+        if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
+    };
+    let [r, g, b] = color.map(decode);
+    [r, g, b, 1.0]
+}

@@ -1,1 +1,24 @@
 //! Leaves to triangles: the pure definitions.
+
+pub mod grid;
+
+pub use grid::{Error, dice, grid_for};
+
+/// An indexed triangle mesh. Positions, normals and uvs run in parallel, one of each a vertex.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    pub positions: Vec<[f32; 3]>,
+    /// Unit length.
+    pub normals: Vec<[f32; 3]>,
+    /// In the unit square of the root that the vertex comes from.
+    pub uvs: Vec<[f32; 2]>,
+    /// Three a triangle, counter-clockwise seen from the side that the normals point to.
+    pub indices: Vec<u32>,
+}
+
+impl Mesh {
+    /// The triangles as index triples.
+    pub fn triangles(&self) -> impl ExactSizeIterator<Item = [u32; 3]> + '_ {
+        self.indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]])
+    }
+}

@@ -1,0 +1,445 @@
+//! The passes of a step on a device.
+//!
+//! A sweep is two submissions: match, count, scan and compact; then, when the host has read the
+//! three totals and allocated exactly what they ask for, emit and retire. Where the growth is a
+//! closed form only the second is made, and nothing is read or waited for.
+
+use super::buffers::{self, Pool, Pooled};
+use super::kernels::{self, Binding, SharedKernels, StageKernels};
+use super::{Engine, Error};
+use crate::language::expr::Value;
+use crate::patch;
+use crate::plan::compare::{Trace, Traced};
+use crate::plan::derive::{self, Backend, Options, Outcome, StageId};
+use crate::plan::layout::{Layout, MAX_HALVINGS};
+use crate::plan::step::{Extent, Status};
+use crate::plan::tables::Stage;
+use crate::plan::{self, Plan};
+use std::collections::HashMap;
+
+/// Records and nets of a chunk, on the device.
+#[derive(Debug)]
+pub struct GpuChunk {
+    records: Pooled,
+    nets: Pooled,
+    len: usize,
+    /// No net in it was halved more often along one direction.
+    halvings: u32,
+}
+
+impl GpuChunk {
+    /// The buffer of records: [`Layout::record_bytes`] each.
+    pub fn records(&self) -> &wgpu::Buffer {
+        &self.records.buffer
+    }
+    /// The buffer of nets: [`Layout::net_bytes`] each.
+    pub fn nets(&self) -> &wgpu::Buffer {
+        &self.nets.buffer
+    }
+}
+
+/// The backend. One belongs to one plan and one set of uniforms.
+pub struct Gpu<'a> {
+    engine: Engine,
+    plan: &'a Plan,
+    uniforms: Vec<Value>,
+    stages: HashMap<StageId, StageKernels>,
+    shared: SharedKernels,
+    pool: Pool,
+    /// Extents at multiples of 256 bytes: of the first submission, of emit, of retire.
+    extents: wgpu::Buffer,
+    status: wgpu::Buffer,
+    staging: wgpu::Buffer,
+    trace: Option<Trace>,
+}
+
+/// Where the extents stand.
+const EXTENT_STRIDE: u64 = 256;
+/// Bytes of a status, and where the totals of scan and compact stand behind it when read.
+const STATUS_BYTES: u64 = size_of::<Status>() as u64;
+const READ_BYTES: u64 = STATUS_BYTES + 8;
+
+/// Columns of a sweep.
+struct Columns {
+    rules: Pooled,
+    counts: Pooled,
+    offsets: Pooled,
+    sums: Pooled,
+    retired: Pooled,
+    retired_sums: Pooled,
+}
+
+/// What the first submission says.
+struct Totals {
+    status: Status,
+    modules: usize,
+    retired: usize,
+}
+
+impl<'a> Gpu<'a> {
+    /// A backend on the engine's device. Kernels are compiled when a stage first runs.
+    pub fn new(engine: &Engine, plan: &'a Plan, uniforms: &[Value]) -> Result<Gpu<'a>, Error> {
+        engine.checked("preparing the kernels", || {
+            let extents = engine.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("burgeon extents"),
+                size: 3 * EXTENT_STRIDE,
+                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            });
+            Ok(Gpu {
+                shared: SharedKernels::new(engine, &plan.tables.layout)?,
+                plan,
+                uniforms: uniforms.to_vec(),
+                stages: HashMap::new(),
+                pool: Pool::default(),
+                extents,
+                status: buffers::storage(engine, "burgeon status", STATUS_BYTES),
+                staging: buffers::staging(engine, READ_BYTES),
+                trace: None,
+                engine: engine.clone(),
+            })
+        })
+    }
+
+    /// Compiles the kernels of every stage now.
+    pub fn compile(&mut self) -> Result<(), Error> {
+        for (rule_set, set) in self.plan.tables.rule_sets.iter().enumerate() {
+            for stage in 0..set.stages.len() {
+                self.compile_stage(StageId { rule_set, stage })?;
+            }
+        }
+        Ok(())
+    }
+
+    fn compile_stage(&mut self, id: StageId) -> Result<(), Error> {
+        if self.stages.contains_key(&id) {
+            return Ok(());
+        }
+        let environment = self.plan.environment(id.of(self.plan), &self.uniforms);
+        let engine = self.engine.clone();
+        let kernels =
+            engine.checked("compiling kernels", || StageKernels::new(&engine, self.plan, id, &environment))?;
+        self.stages.insert(id, kernels);
+        Ok(())
+    }
+
+    fn layout(&self) -> Layout {
+        self.plan.tables.layout
+    }
+
+    /// A chunk with room for `len` modules; what it holds is anything.
+    fn take(&mut self, len: usize, halvings: u32) -> GpuChunk {
+        let layout = self.layout();
+        let records = self.pool.take(&self.engine, "burgeon records", len as u64 * layout.record_bytes());
+        let nets = self.pool.take(&self.engine, "burgeon nets", len as u64 * layout.net_bytes());
+        GpuChunk { records, nets, len, halvings }
+    }
+
+    fn give(&mut self, chunk: GpuChunk) {
+        self.pool.give(chunk.records);
+        self.pool.give(chunk.nets);
+    }
+
+    fn columns(&mut self, n: u64) -> Columns {
+        let sums = (n.div_ceil(self.engine.tuning.tile() as u64) + 1) * 4;
+        let mut take = |label, bytes| self.pool.take(&self.engine, label, bytes);
+        Columns {
+            rules: take("burgeon rules", n * 4),
+            counts: take("burgeon counts", n * 4),
+            offsets: take("burgeon offsets", n * 4 + 4),
+            sums: take("burgeon sums", sums),
+            retired: take("burgeon retired", n * 4),
+            retired_sums: take("burgeon retired sums", sums),
+        }
+    }
+
+    fn give_columns(&mut self, columns: Columns) {
+        let Columns { rules, counts, offsets, sums, retired, retired_sums } = columns;
+        [rules, counts, offsets, sums, retired, retired_sums].into_iter().for_each(|c| self.pool.give(c));
+    }
+
+    fn write_extent(&self, slot: u64, extent: Extent) {
+        self.engine.queue.write_buffer(&self.extents, slot * EXTENT_STRIDE, bytemuck::bytes_of(&extent));
+    }
+
+    fn extent(&self, slot: u64) -> Binding<'_> {
+        Binding { buffer: &self.extents, offset: slot * EXTENT_STRIDE, bytes: size_of::<Extent>() as u64 }
+    }
+
+    fn encoder(&self, label: &'static str) -> wgpu::CommandEncoder {
+        self.engine.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(label) })
+    }
+
+    /// match → count → scan, and compact; then the totals, read.
+    fn totals(&mut self, id: StageId, step: u32, chunk: &GpuChunk, columns: &Columns) -> Result<Totals, Error> {
+        let stage: &Stage = id.of(self.plan);
+        let n = chunk.len as u64;
+        self.write_extent(0, Extent { count: n as u32, step, capacity: 0, wanted: stage.retired() });
+        self.engine.queue.write_buffer(&self.status, 0, bytemuck::bytes_of(&Status::default()));
+        let mut encoder = self.encoder("burgeon match, count, scan");
+        let tuning = *self.engine.tuning();
+        let tiles = n.div_ceil(tuning.tile() as u64);
+        {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some("burgeon match, count, scan"),
+                timestamp_writes: None,
+            });
+            let one_each = [kernels::groups(n, tuning.workgroup)];
+            let kernels = &self.stages[&id];
+            let environment = Binding::new(&kernels.environment, kernels.environment.size());
+            let records = Binding::new(chunk.records(), n * self.layout().record_bytes());
+            let rules = Binding::new(&columns.rules.buffer, n * 4);
+            let counts = Binding::new(&columns.counts.buffer, n * 4);
+            let sums = |b| Binding::new(b, (tiles + 1) * 4);
+            let bound = [self.extent(0), environment, records, rules, Binding::new(&self.status, STATUS_BYTES)];
+            let group = kernels.match_modules.bind(&self.engine, &bound);
+            kernels.match_modules.record(&mut pass, &group, &one_each);
+            let group = kernels.count.bind(&self.engine, &[self.extent(0), environment, rules, counts]);
+            kernels.count.record(&mut pass, &group, &one_each);
+            let offsets = Binding::new(&columns.offsets.buffer, n * 4 + 4);
+            let bound = [self.extent(0), counts, offsets, sums(&columns.sums.buffer)];
+            let group = self.shared.scan.bind(&self.engine, &bound);
+            self.shared.scan.record(&mut pass, &group, &kernels::scan_groups(n, tuning.tile()));
+            if stage.may_retire() {
+                let retired = Binding::new(&columns.retired.buffer, n * 4);
+                let bound = [self.extent(0), rules, retired, sums(&columns.retired_sums.buffer)];
+                let group = self.shared.compact.bind(&self.engine, &bound);
+                self.shared.compact.record(&mut pass, &group, &kernels::scan_groups(n, tuning.tile()));
+            }
+        }
+        encoder.copy_buffer_to_buffer(&self.status, 0, &self.staging, 0, STATUS_BYTES);
+        encoder.copy_buffer_to_buffer(&columns.sums.buffer, tiles * 4, &self.staging, STATUS_BYTES, 4);
+        encoder.copy_buffer_to_buffer(&columns.retired_sums.buffer, tiles * 4, &self.staging, STATUS_BYTES + 4, 4);
+        self.engine.queue.submit([encoder.finish()]);
+        let words: Vec<u32> =
+            buffers::mapped(&self.engine, "reading the totals of a step", &self.staging, READ_BYTES, |bytes| {
+                bytes.chunks_exact(4).map(bytemuck::pod_read_unaligned).collect()
+            })?;
+        let status = bytemuck::pod_read_unaligned(bytemuck::cast_slice(&words[..8]));
+        let retired = if stage.may_retire() { words[9] as usize } else { 0 };
+        Ok(Totals { status, modules: words[8] as usize, retired })
+    }
+
+    /// emit, and retire where modules are retired.
+    fn write(
+        &mut self,
+        id: StageId,
+        step: u32,
+        chunk: &GpuChunk,
+        columns: &Columns,
+        next: Option<&GpuChunk>,
+        finished: Option<&GpuChunk>,
+    ) {
+        let layout = self.layout();
+        let n = chunk.len as u64;
+        let tuning = *self.engine.tuning();
+        let fresh = |len: usize| Extent { count: n as u32, step, capacity: len as u32, wanted: 0 };
+        let mut encoder = self.encoder("burgeon emit, retire");
+        {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some("burgeon emit, retire"),
+                timestamp_writes: None,
+            });
+            let kernels = &self.stages[&id];
+            let status = Binding::new(&self.status, STATUS_BYTES);
+            let records = |c: &'_ GpuChunk| c.len as u64 * layout.record_bytes();
+            let nets = |c: &'_ GpuChunk| c.len as u64 * layout.net_bytes();
+            if let Some(next) = next {
+                self.write_extent(1, fresh(next.len));
+                let bound = [
+                    self.extent(1),
+                    Binding::new(&kernels.environment, kernels.environment.size()),
+                    Binding::new(chunk.records(), records(chunk)),
+                    Binding::new(chunk.nets(), nets(chunk)),
+                    Binding::new(&columns.rules.buffer, n * 4),
+                    Binding::new(&columns.offsets.buffer, n * 4 + 4),
+                    Binding::new(next.records(), records(next)),
+                    Binding::new(next.nets(), nets(next)),
+                    status,
+                ];
+                let group = kernels.emit.bind(&self.engine, &bound);
+                kernels.emit.record(&mut pass, &group, &[kernels::groups(n, tuning.workgroup)]);
+            }
+            if let Some(finished) = finished {
+                self.write_extent(2, Extent { count: finished.len as u32, ..fresh(finished.len) });
+                let bound = [
+                    self.extent(2),
+                    Binding::new(chunk.records(), records(chunk)),
+                    Binding::new(chunk.nets(), nets(chunk)),
+                    Binding::new(&columns.retired.buffer, n * 4),
+                    Binding::new(finished.records(), records(finished)),
+                    Binding::new(finished.nets(), nets(finished)),
+                    status,
+                ];
+                let group = self.shared.retire.bind(&self.engine, &bound);
+                let groups = [kernels::groups(finished.len as u64, tuning.workgroup)];
+                self.shared.retire.record(&mut pass, &group, &groups);
+            }
+        }
+        self.engine.queue.submit([encoder.finish()]);
+    }
+
+    fn read_status(&self) -> Result<Status, Error> {
+        let words: Vec<u32> = buffers::read(&self.engine, "reading the status", &self.status, STATUS_BYTES)?;
+        Ok(bytemuck::pod_read_unaligned(bytemuck::cast_slice(&words)))
+    }
+
+    fn sweep(
+        &mut self,
+        id: StageId,
+        step: u32,
+        chunk: GpuChunk,
+        columns: &Columns,
+        room: u64,
+    ) -> Result<Outcome<GpuChunk>, Error> {
+        let stage: &Stage = id.of(self.plan);
+        let totals = match stage.closed {
+            Some(growth) => Totals {
+                status: Status { fired: 1, ..Status::default() },
+                modules: chunk.len * growth as usize,
+                retired: 0,
+            },
+            None => self.totals(id, step, &chunk, columns)?,
+        };
+        if totals.status.too_deep != 0 {
+            return Ok(Outcome::TooDeep);
+        }
+        let modules = (totals.modules + totals.retired) as u64;
+        if modules * self.layout().module_bytes() > room {
+            return Ok(Outcome::NoRoom { needed: modules * self.layout().module_bytes(), modules });
+        }
+        let halvings = chunk.halvings + 1;
+        let next = (totals.modules > 0).then(|| self.take(totals.modules, halvings));
+        let finished = (totals.retired > 0).then(|| self.take(totals.retired, chunk.halvings));
+        // Where match_modules did not run, emit is the first to see an address that is full.
+        let may_be_too_deep = stage.closed.is_some() && halvings > MAX_HALVINGS as u32;
+        if may_be_too_deep {
+            self.engine.queue.write_buffer(&self.status, 0, bytemuck::bytes_of(&Status::default()));
+        }
+        self.write(id, step, &chunk, columns, next.as_ref(), finished.as_ref());
+        self.give(chunk);
+        if may_be_too_deep && self.read_status()?.too_deep != 0 {
+            return Ok(Outcome::TooDeep);
+        }
+        let retired = finished.map(|c| (c, totals.status.retired_symbols));
+        Ok(Outcome::Done { next, retired, fired: totals.status.fired != 0 })
+    }
+
+    fn keep_trace(&mut self, id: StageId, n: u64, retired: usize, columns: &Columns) -> Result<(), Error> {
+        if self.trace.is_none() {
+            return Ok(());
+        }
+        let mut trace = Trace::default();
+        if id.of(self.plan).closed.is_none() {
+            let read = |c: &Pooled, words: u64| {
+                if words == 0 {
+                    return Ok(Vec::new());
+                }
+                buffers::read::<u32>(&self.engine, "reading a pass", &c.buffer, words * 4)
+            };
+            trace = Trace {
+                rules: read(&columns.rules, n)?,
+                counts: read(&columns.counts, n)?,
+                offsets: read(&columns.offsets, n + 1)?,
+                retired: read(&columns.retired, retired as u64)?,
+            };
+        }
+        self.trace = Some(trace);
+        Ok(())
+    }
+}
+
+impl Backend for Gpu<'_> {
+    type Chunk = GpuChunk;
+    type Error = Error;
+
+    fn upload(&mut self, records: Vec<u32>, nets: Vec<[f32; 4]>) -> Result<GpuChunk, Error> {
+        let len = records.len() / self.layout().record_words;
+        let engine = self.engine.clone();
+        engine.checked("uploading the axiom", || {
+            let chunk = self.take(len, 0);
+            engine.queue.write_buffer(chunk.records(), 0, bytemuck::cast_slice(&records));
+            engine.queue.write_buffer(chunk.nets(), 0, bytemuck::cast_slice(&nets));
+            Ok(chunk)
+        })
+    }
+
+    fn read(&mut self, chunk: &GpuChunk) -> Result<(Vec<u32>, Vec<[f32; 4]>), Error> {
+        let (layout, len) = (self.layout(), chunk.len as u64);
+        let records = buffers::read(&self.engine, "reading records", chunk.records(), len * layout.record_bytes())?;
+        let nets = buffers::read(&self.engine, "reading nets", chunk.nets(), len * layout.net_bytes())?;
+        Ok((records, nets))
+    }
+
+    fn len(&self, chunk: &GpuChunk) -> usize {
+        chunk.len
+    }
+
+    fn most_modules(&self) -> usize {
+        let most = self.engine.device.limits().max_storage_buffer_binding_size;
+        (most / self.layout().net_bytes().max(self.layout().record_bytes())) as usize
+    }
+
+    fn split(&mut self, chunk: GpuChunk, most: usize) -> Result<Vec<GpuChunk>, Error> {
+        let engine = self.engine.clone();
+        let layout = self.layout();
+        engine.checked("splitting a chunk", || {
+            let mut encoder = self.encoder("burgeon split");
+            let mut pieces = Vec::new();
+            for start in (0..chunk.len).step_by(most) {
+                let piece = self.take(most.min(chunk.len - start), chunk.halvings);
+                for (from, to, bytes) in [
+                    (chunk.records(), piece.records(), layout.record_bytes()),
+                    (chunk.nets(), piece.nets(), layout.net_bytes()),
+                ] {
+                    encoder.copy_buffer_to_buffer(from, start as u64 * bytes, to, 0, piece.len as u64 * bytes);
+                }
+                pieces.push(piece);
+            }
+            engine.queue.submit([encoder.finish()]);
+            self.give(chunk);
+            Ok(pieces)
+        })
+    }
+
+    fn step(&mut self, id: StageId, step: u32, chunk: GpuChunk, room: u64) -> Result<Outcome<GpuChunk>, Error> {
+        self.compile_stage(id)?;
+        let engine = self.engine.clone();
+        engine.checked("rewriting a chunk", || {
+            let n = chunk.len as u64;
+            // Where the growth is closed no column is read: any buffer will do.
+            let columns = self.columns(if id.of(self.plan).closed.is_some() { 1 } else { n });
+            let outcome = self.sweep(id, step, chunk, &columns, room)?;
+            if let Outcome::Done { retired, .. } = &outcome {
+                let retired = retired.as_ref().map_or(0, |r| r.0.len);
+                self.keep_trace(id, n, retired, &columns)?;
+            }
+            self.give_columns(columns);
+            Ok(outcome)
+        })
+    }
+}
+
+impl Traced for Gpu<'_> {
+    fn trace(&self) -> &Trace {
+        const EMPTY: &Trace =
+            &Trace { rules: Vec::new(), counts: Vec::new(), offsets: Vec::new(), retired: Vec::new() };
+        self.trace.as_ref().unwrap_or(EMPTY)
+    }
+    fn set_traced(&mut self) {
+        self.trace = Some(Trace::default());
+    }
+}
+
+/// Derives the whole schedule on the engine's device and reads the word; how it went, too.
+pub fn derive(
+    engine: &Engine,
+    plan: &Plan,
+    axiom: &patch::Axiom,
+    options: &Options,
+) -> Result<(patch::Word, derive::Derivation<GpuChunk>), Error> {
+    let uniforms = plan.uniforms(&options.set)?;
+    let mut gpu = Gpu::new(engine, plan, &uniforms)?;
+    let derivation = derive::derive(plan, axiom, &uniforms, options, &mut gpu)?;
+    Ok((derive::collect(plan, &mut gpu, &derivation)?, derivation))
+}

@@ -1,0 +1,87 @@
+//! A device without a window, for the command, the tests and the benches.
+
+use super::Error;
+
+/// A device of our own, and what it is.
+#[derive(Clone, Debug)]
+pub struct Headless {
+    pub device: wgpu::Device,
+    pub queue: wgpu::Queue,
+    pub info: wgpu::AdapterInfo,
+}
+
+/// Which adapters come into question.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Requirement<'a> {
+    /// A hardware adapter, else a software one.
+    #[default]
+    Any,
+    /// One whose name, or whose backend's name, holds this text, in any case.
+    Named(&'a str),
+}
+
+/// All adapters that can run the engine, the preferred first: hardware before software, and the
+/// backends in the order Vulkan, Metal, DX12, GL.
+pub fn adapters() -> Vec<wgpu::Adapter> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+    let backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::all());
+    let mut list = pollster::block_on(instance.enumerate_adapters(backends));
+    list.retain(|a| wgpu::Limits::defaults().check_limits(&a.limits()));
+    list.sort_by_key(|a| {
+        let info = a.get_info();
+        let kind = match info.device_type {
+            wgpu::DeviceType::DiscreteGpu => 0,
+            wgpu::DeviceType::IntegratedGpu => 1,
+            wgpu::DeviceType::VirtualGpu | wgpu::DeviceType::Other => 2,
+            wgpu::DeviceType::Cpu => 3,
+        };
+        (kind, info.backend == wgpu::Backend::Gl)
+    });
+    list
+}
+
+impl Headless {
+    /// A device with WebGPU's default limits and no features.
+    ///
+    /// # Errors
+    /// [`Error::NoAdapter`] where none fits, with the names of those that are there.
+    pub fn new(requirement: Requirement) -> Result<Headless, Error> {
+        let list = adapters();
+        let fits = |a: &&wgpu::Adapter| match requirement {
+            Requirement::Any => true,
+            Requirement::Named(text) => {
+                let info = a.get_info();
+                let label = format!("{} {:?}", info.name, info.backend).to_lowercase();
+                label.contains(&text.to_lowercase())
+            }
+        };
+        match list.iter().find(fits) {
+            Some(adapter) => Headless::open(adapter),
+            None => Err(Error::NoAdapter(no_adapter(&list, requirement))),
+        }
+    }
+
+    /// A device of this adapter, with WebGPU's default limits and no features.
+    pub fn open(adapter: &wgpu::Adapter) -> Result<Headless, Error> {
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("burgeon"),
+            required_limits: wgpu::Limits::defaults(),
+            ..Default::default()
+        };
+        let info = adapter.get_info();
+        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
+            .map_err(|e| Error::NoAdapter(format!("{} gives no device: {e}", info.name)))?;
+        Ok(Headless { device, queue, info })
+    }
+}
+
+fn no_adapter(list: &[wgpu::Adapter], requirement: Requirement) -> String {
+    const HINT: &str = "a software one comes with Mesa (Debian and Ubuntu: package mesa-vulkan-drivers)";
+    let names: Vec<String> = list.iter().map(|a| a.get_info().name).collect();
+    match requirement {
+        Requirement::Named(text) if !names.is_empty() => {
+            format!("no adapter's name holds `{text}`; there are: {}", names.join(", "))
+        }
+        _ => format!("no Vulkan, Metal, DX12 or GL adapter was found; {HINT}"),
+    }
+}

@@ -1,0 +1,55 @@
+//! Triangle meshes as Wavefront `.obj`.
+
+use super::number::{write_each, write_usize};
+use super::write::{WriteError, write_in_blocks};
+use crate::tessellate::Mesh;
+use std::io::{self, Write};
+
+/// Writes a mesh as one object: a `v`, `vt` and `vn` for each vertex, in its order, and an
+/// `f a/a/a b/b/b c/c/c` for each triangle. Numbers read back to the same f32.
+///
+/// The name stands on a line of its own, up to its end; line breaks and other control characters in
+/// it become `_`, and an empty one `mesh`.
+///
+/// # Errors
+/// What the writer reports; a number that is not finite, naming the vertex.
+pub fn write(writer: &mut dyn Write, mesh: &Mesh, name: &str) -> Result<(), WriteError> {
+    let name: String = name.trim().chars().map(|c| if c.is_control() { '_' } else { c }).collect();
+    writeln!(writer, "o {}", if name.is_empty() { "mesh" } else { &name })?;
+    vectors(writer, "v", "the position", &mesh.positions)?;
+    vectors(writer, "vt", "the uv", &mesh.uvs)?;
+    vectors(writer, "vn", "the normal", &mesh.normals)?;
+    let triangles = mesh.indices.len() / 3;
+    write_in_blocks(writer, triangles, |index, text| Ok(face(text, &mesh.indices[3 * index..3 * index + 3])?))
+}
+
+fn vectors<const N: usize>(
+    writer: &mut dyn Write,
+    keyword: &str,
+    what: &str,
+    vectors: &[[f32; N]],
+) -> Result<(), WriteError> {
+    write_in_blocks(writer, vectors.len(), |vertex, text| {
+        let vector = &vectors[vertex];
+        if let Some(&value) = vector.iter().find(|x| !x.is_finite()) {
+            return Err(WriteError::not_finite(format_args!("{what} of vertex {vertex}"), value));
+        }
+        text.extend_from_slice(keyword.as_bytes());
+        write_each(text, b" ", vector)?;
+        text.push(b'\n');
+        Ok(())
+    })
+}
+
+/// Vertices count from 1 in the file.
+fn face(text: &mut Vec<u8>, triangle: &[u32]) -> io::Result<()> {
+    text.push(b'f');
+    for &vertex in triangle {
+        for separator in [b' ', b'/', b'/'] {
+            text.push(separator);
+            write_usize(text, vertex as usize + 1)?;
+        }
+    }
+    text.push(b'\n');
+    Ok(())
+}

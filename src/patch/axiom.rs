@@ -1,0 +1,84 @@
+//! The axiom of a patch system: its roots, read from where the system says.
+
+use super::Net;
+use crate::language::Expr;
+use crate::language::Span;
+use crate::language::system::{self, PatchSource, PatchStart, System};
+
+/// The roots in order.
+#[derive(Clone, Debug)]
+pub struct Axiom {
+    pub roots: Vec<Root>,
+}
+
+/// One root: a module of the axiom.
+#[derive(Clone, Debug)]
+pub struct Root {
+    /// Index into the system's symbols.
+    pub symbol: usize,
+    /// One for each field; they read uniforms at most.
+    pub args: Vec<Expr>,
+    pub net: Net,
+}
+
+/// Why an axiom has no roots. `E` is what reading a file may say.
+#[derive(Debug, thiserror::Error)]
+pub enum AxiomError<E: std::fmt::Display> {
+    #[error("{0}")]
+    Source(E),
+    #[error("{message}")]
+    Wrong { message: String, span: Span },
+}
+
+impl Axiom {
+    /// Resolves the sources of a patch system; `read` gives the nets of a file by its name.
+    ///
+    /// # Errors
+    /// What `read` says; an index beyond the file's patches; no axiom; a source that is a system.
+    pub fn load<E: std::fmt::Display>(
+        system: &System,
+        read: &mut dyn FnMut(&str) -> Result<Vec<Net>, E>,
+    ) -> Result<Axiom, AxiomError<E>> {
+        let system::Axiom::Patches(starts) = &system.axiom else {
+            let message = format!("{} has no axiom of patches: write `axiom: P = file \"….bpt\"`", system.name);
+            return Err(AxiomError::Wrong { message, span: system.source.name.span });
+        };
+        let mut roots = Vec::new();
+        for start in starts {
+            for net in nets(system, start, read)? {
+                roots.push(Root { symbol: start.symbol, args: start.args.clone(), net });
+            }
+        }
+        Ok(Axiom { roots })
+    }
+}
+
+fn nets<E: std::fmt::Display>(
+    system: &System,
+    start: &PatchStart,
+    read: &mut dyn FnMut(&str) -> Result<Vec<Net>, E>,
+) -> Result<Vec<Net>, AxiomError<E>> {
+    let wrong = |message: String, span: &Span| Err(AxiomError::Wrong { message, span: *span });
+    match &start.source {
+        PatchSource::Inline { points, .. } => {
+            let system::Kind::Patch { degree, .. } = system.kind else {
+                return wrong(format!("{} is no patch system", system.name), &start.span);
+            };
+            Ok(vec![Net { degree, points: points.clone() }])
+        }
+        PatchSource::File { path, index, span } => {
+            let mut nets = read(path).map_err(AxiomError::Source)?;
+            match index {
+                None => Ok(nets),
+                Some(i) if (*i as usize) < nets.len() => Ok(vec![nets.swap_remove(*i as usize)]),
+                Some(i) => {
+                    let last = nets.len().saturating_sub(1);
+                    wrong(format!("{path} has {} patches, 0 .. {last}; there is none with index {i}", nets.len()), span)
+                }
+            }
+        }
+        PatchSource::System { name, span } => {
+            wrong(format!("this version does not derive an axiom that is another system ({name})"), span)
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! Does a word hold together? Readers and tests ask; the engine never needs to.
+
+use super::{Cell, MAX_DEGREE, Module, Word};
+use crate::language::expr::Type;
+use thiserror::Error;
+
+/// What is wrong with a word, naming the module.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum WordError {
+    #[error("the degrees {0:?} are not both in 1..=8")]
+    Degree([u8; 2]),
+    #[error("net {module} has the degrees {found:?}, those before it {first:?}; a word has one kind of net")]
+    MixedDegrees { module: usize, first: [u8; 2], found: [u8; 2] },
+    #[error("net {module} has {found} points where its degrees ask for {expected}")]
+    Points { module: usize, found: usize, expected: usize },
+    #[error("the word has {found} points where its {modules} modules ask for {expected}")]
+    Nets { modules: usize, found: usize, expected: usize },
+    #[error("module {module} has the symbol {symbol}, but the word names only {symbols}")]
+    Symbol { module: usize, symbol: usize, symbols: usize },
+    #[error("module {module} ({symbol}) has {found} parameters where {symbol} declares {expected}")]
+    Arity { module: usize, symbol: String, found: usize, expected: usize },
+    #[error("parameter {field} of module {module} ({symbol}) is of type {found}, declared as {expected}")]
+    Parameter { module: usize, symbol: String, field: String, found: Type, expected: Type },
+    #[error("module {module} lies in the cell {cell:?}, which is outside its root")]
+    Cell { module: usize, cell: Cell },
+    #[error("module {module} does not follow the one before it in the order of the derivation tree")]
+    Order { module: usize },
+    #[error("point {point} of module {module} is {value:?}; its coordinates must be finite")]
+    NotFinite { module: usize, point: usize, value: [f32; 4] },
+    #[error("point {point} of module {module} has the weight {weight}; it must be positive{}", if *.rational { "" } else { ", and 1 in a word that is not rational" })]
+    Weight { module: usize, point: usize, weight: f32, rational: bool },
+}
+
+impl Word {
+    /// Checks every invariant of the word: degrees in 1..=8, one net and known symbol a module,
+    /// parameters of the declared types, cells inside their roots (du + dv ≤ 62), modules in the
+    /// order of (root, key), points finite, weights positive and 1 where the word is not rational.
+    ///
+    /// # Errors
+    /// The first one broken.
+    pub fn validate(&self) -> Result<(), WordError> {
+        if !self.degree.iter().all(|d| (1..=MAX_DEGREE).contains(d)) {
+            return Err(WordError::Degree(self.degree));
+        }
+        let (modules, found) = (self.modules.len(), self.nets.len());
+        let expected = modules * self.net_points();
+        if found != expected {
+            return Err(WordError::Nets { modules, found, expected });
+        }
+        for (index, module) in self.modules.iter().enumerate() {
+            self.validate_params(index, module)?;
+            validate_cell(index, module.cell)?;
+            self.validate_net(index)?;
+        }
+        let order = |m: &Module| (m.root, m.key);
+        match self.modules.windows(2).position(|pair| order(&pair[0]) >= order(&pair[1])) {
+            Some(before) => Err(WordError::Order { module: before + 1 }),
+            None => Ok(()),
+        }
+    }
+
+    fn validate_params(&self, index: usize, module: &Module) -> Result<(), WordError> {
+        let Some(symbol) = self.symbols.get(module.symbol) else {
+            let (symbol, symbols) = (module.symbol, self.symbols.len());
+            return Err(WordError::Symbol { module: index, symbol, symbols });
+        };
+        let (found, expected) = (module.params.len(), symbol.fields.len());
+        if found != expected {
+            return Err(WordError::Arity { module: index, symbol: symbol.name.clone(), found, expected });
+        }
+        let wrong = symbol.fields.iter().zip(&module.params).find(|(field, value)| field.ty != value.ty());
+        match wrong {
+            Some((field, value)) => Err(WordError::Parameter {
+                module: index,
+                symbol: symbol.name.clone(),
+                field: field.name.clone(),
+                found: value.ty(),
+                expected: field.ty.clone(),
+            }),
+            None => Ok(()),
+        }
+    }
+
+    fn validate_net(&self, index: usize) -> Result<(), WordError> {
+        for (point, &value) in self.net(index).iter().enumerate() {
+            if !value.iter().all(|x| x.is_finite()) {
+                return Err(WordError::NotFinite { module: index, point, value });
+            }
+            let weight = value[3];
+            if weight <= 0.0 || (!self.rational && weight != 1.0) {
+                return Err(WordError::Weight { module: index, point, weight, rational: self.rational });
+            }
+        }
+        Ok(())
+    }
+}
+
+fn validate_cell(module: usize, cell: Cell) -> Result<(), WordError> {
+    let inside = |halvings: u8, index: u32| halvings >= 32 || u64::from(index) < 1u64 << halvings;
+    let fits = u32::from(cell.du) + u32::from(cell.dv) <= 62;
+    if fits && inside(cell.du, cell.i) && inside(cell.dv, cell.j) {
+        Ok(())
+    } else {
+        Err(WordError::Cell { module, cell })
+    }
+}

@@ -1,0 +1,222 @@
+//! Two backends in lockstep: every column of every pass compared.
+
+use super::derive::{Backend, Outcome, StageId};
+
+/// What the passes of one sweep wrote, for comparison: the columns of [`super::step::Column`].
+/// Columns of passes that were skipped stay empty.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Trace {
+    pub rules: Vec<u32>,
+    pub counts: Vec<u32>,
+    pub offsets: Vec<u32>,
+    pub retired: Vec<u32>,
+}
+
+/// A backend that can be asked what its passes wrote.
+pub trait Traced: Backend {
+    /// The columns of the last sweep; empty unless [`Traced::set_traced`] asked for them.
+    fn trace(&self) -> &Trace;
+    /// Keep what the passes write from now on.
+    fn set_traced(&mut self);
+}
+
+/// The first place where two backends differ.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "{pass}, sweep {sweep}: element {index} is {left} on the {left_name} and {right} on the {right_name}"
+)]
+pub struct Difference {
+    /// The pass that wrote it.
+    pub pass: &'static str,
+    /// Sweeps before it, over all chunks and steps.
+    pub sweep: usize,
+    pub index: usize,
+    pub left: String,
+    pub right: String,
+    pub left_name: &'static str,
+    pub right_name: &'static str,
+}
+
+/// Why a comparison ended.
+#[derive(Debug, thiserror::Error)]
+pub enum PairError<L, R> {
+    #[error(transparent)]
+    Plan(#[from] super::Error),
+    #[error(transparent)]
+    Left(L),
+    #[error(transparent)]
+    Right(R),
+    #[error(transparent)]
+    Difference(Difference),
+}
+
+/// Two backends as one: it does everything on both and compares.
+pub struct Pair<L: Traced, R: Traced> {
+    left: L,
+    right: R,
+    names: [&'static str; 2],
+    /// Sweeps compared so far.
+    pub sweeps: usize,
+    /// Elements (words of columns, records and nets) compared so far.
+    pub elements: u64,
+}
+
+type ErrorOf<L, R> = PairError<<L as Backend>::Error, <R as Backend>::Error>;
+
+impl<L: Traced, R: Traced> Pair<L, R> {
+    /// A pair whose messages use these names.
+    pub fn new(mut left: L, mut right: R, names: [&'static str; 2]) -> Self {
+        left.set_traced();
+        right.set_traced();
+        Pair { left, right, names, sweeps: 0, elements: 0 }
+    }
+
+    fn same<T: PartialEq + Copy>(
+        &mut self,
+        pass: &'static str,
+        left: &[T],
+        right: &[T],
+        show: impl Fn(T) -> String,
+    ) -> Result<(), ErrorOf<L, R>> {
+        self.elements += left.len() as u64;
+        let differ = left.iter().zip(right).position(|(a, b)| a != b);
+        let index = match differ {
+            None if left.len() == right.len() => return Ok(()),
+            None => left.len().min(right.len()),
+            Some(index) => index,
+        };
+        let text = |column: &[T]| column.get(index).map_or("missing".to_string(), |v| show(*v));
+        Err(PairError::Difference(Difference {
+            pass,
+            sweep: self.sweeps,
+            index,
+            left: text(left),
+            right: text(right),
+            left_name: self.names[0],
+            right_name: self.names[1],
+        }))
+    }
+
+    fn same_chunk(
+        &mut self,
+        pass: &'static str,
+        left: &L::Chunk,
+        right: &R::Chunk,
+    ) -> Result<(), ErrorOf<L, R>> {
+        let (left_records, left_nets) = self.left.read(left).map_err(PairError::Left)?;
+        let (right_records, right_nets) = self.right.read(right).map_err(PairError::Right)?;
+        self.same(pass, &left_records, &right_records, |w| format!("{w:#x}"))?;
+        let bits = |nets: &[[f32; 4]]| -> Vec<u32> { nets.iter().flatten().map(|x| x.to_bits()).collect() };
+        self.same(pass, &bits(&left_nets), &bits(&right_nets), |w| format!("{:?}", f32::from_bits(w)))
+    }
+
+    fn same_trace(&mut self) -> Result<(), ErrorOf<L, R>> {
+        let (left, right) = (self.left.trace().clone(), self.right.trace().clone());
+        self.same("match_modules", &left.rules, &right.rules, |w| w.to_string())?;
+        self.same("count", &left.counts, &right.counts, |w| w.to_string())?;
+        self.same("scan", &left.offsets, &right.offsets, |w| w.to_string())?;
+        self.same("compact", &left.retired, &right.retired, |w| w.to_string())
+    }
+}
+
+impl<L: Traced, R: Traced> Backend for Pair<L, R> {
+    type Chunk = (L::Chunk, R::Chunk);
+    type Error = ErrorOf<L, R>;
+
+    fn upload(&mut self, records: Vec<u32>, nets: Vec<[f32; 4]>) -> Result<Self::Chunk, Self::Error> {
+        let left = self.left.upload(records.clone(), nets.clone()).map_err(PairError::Left)?;
+        Ok((left, self.right.upload(records, nets).map_err(PairError::Right)?))
+    }
+
+    fn read(&mut self, chunk: &Self::Chunk) -> Result<(Vec<u32>, Vec<[f32; 4]>), Self::Error> {
+        self.same_chunk("read", &chunk.0, &chunk.1)?;
+        self.left.read(&chunk.0).map_err(PairError::Left)
+    }
+
+    fn len(&self, chunk: &Self::Chunk) -> usize {
+        self.left.len(&chunk.0)
+    }
+
+    fn most_modules(&self) -> usize {
+        self.left.most_modules().min(self.right.most_modules())
+    }
+
+    fn split(&mut self, chunk: Self::Chunk, most: usize) -> Result<Vec<Self::Chunk>, Self::Error> {
+        let left = self.left.split(chunk.0, most).map_err(PairError::Left)?;
+        let right = self.right.split(chunk.1, most).map_err(PairError::Right)?;
+        Ok(left.into_iter().zip(right).collect())
+    }
+
+    fn step(
+        &mut self,
+        stage: StageId,
+        step: u32,
+        chunk: Self::Chunk,
+        room: u64,
+    ) -> Result<Outcome<Self::Chunk>, Self::Error> {
+        let left = self.left.step(stage, step, chunk.0, room).map_err(PairError::Left)?;
+        let right = self.right.step(stage, step, chunk.1, room).map_err(PairError::Right)?;
+        self.same_trace()?;
+        let outcome = match (left, right) {
+            (
+                Outcome::Done { next: a, retired: b, fired: c },
+                Outcome::Done { next: d, retired: e, fired: f },
+            ) => {
+                self.same("match_modules", &[c], &[f], |fired| format!("fired = {fired}"))?;
+                let symbols = |s: Option<u32>| s.map_or("nothing".to_string(), |s| format!("symbols {s:#x}"));
+                let retired = |r: Option<u32>| [r];
+                self.same(
+                    "retire",
+                    &retired(b.as_ref().map(|b| b.1)),
+                    &retired(e.as_ref().map(|e| e.1)),
+                    symbols,
+                )?;
+                let next = self.both("emit", a, d)?;
+                let mask = b.as_ref().map_or(0, |b| b.1);
+                let retired = self.both("retire", b.map(|b| b.0), e.map(|e| e.0))?.map(|c| (c, mask));
+                Outcome::Done { next, retired, fired: c }
+            }
+            (Outcome::NoRoom { needed, modules }, Outcome::NoRoom { needed: other, .. }) => {
+                self.same("scan", &[needed], &[other], |n| format!("{n} bytes"))?;
+                Outcome::NoRoom { needed, modules }
+            }
+            (Outcome::TooDeep, Outcome::TooDeep) => Outcome::TooDeep,
+            (left, right) => {
+                let name = |n: usize| ["done", "out of room", "too deep"][n];
+                self.same("emit", &[kind(&left)], &[kind(&right)], |n| name(n).to_string())?;
+                return Ok(Outcome::TooDeep);
+            }
+        };
+        self.sweeps += 1;
+        Ok(outcome)
+    }
+}
+
+fn kind<C>(outcome: &Outcome<C>) -> usize {
+    match outcome {
+        Outcome::Done { .. } => 0,
+        Outcome::NoRoom { .. } => 1,
+        Outcome::TooDeep => 2,
+    }
+}
+
+impl<L: Traced, R: Traced> Pair<L, R> {
+    /// The chunks of both, compared; where only one has modules, that is the difference.
+    fn both(
+        &mut self,
+        pass: &'static str,
+        left: Option<L::Chunk>,
+        right: Option<R::Chunk>,
+    ) -> Result<Option<(L::Chunk, R::Chunk)>, ErrorOf<L, R>> {
+        let lengths =
+            (left.as_ref().map_or(0, |c| self.left.len(c)), right.as_ref().map_or(0, |c| self.right.len(c)));
+        self.same(pass, &[lengths.0], &[lengths.1], |n| format!("{n} modules"))?;
+        match (left, right) {
+            (Some(l), Some(r)) => {
+                self.same_chunk(pass, &l, &r)?;
+                Ok(Some((l, r)))
+            }
+            _ => Ok(None),
+        }
+    }
+}

@@ -1,0 +1,373 @@
+//! The derivation: the schedule run step by step over the chunks of a word, whatever the backend.
+//!
+//! A patch word has no contexts, so any range of its modules is an independent word: a *chunk*. A
+//! step maps chunk to chunk. Chunks are split here, before a step, so that what a step may write
+//! always fits in the buffers a backend can bind. Modules on which no rule of the running rule set
+//! can ever fire again leave the frontier for the *finished* chunks, and come back when a later
+//! derive names their symbol. The order of the word is restored by its keys at the end.
+
+use super::layout::{Header, Layout};
+use super::schedule::{self, Derive};
+use super::size::{self, Bounds};
+use super::tables::Stage;
+use super::{Error, Plan};
+use crate::language::expr::Value;
+use crate::patch;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// What a backend does with a chunk. The passes are those of [`super::step`].
+pub trait Backend {
+    /// Records and nets of some modules, wherever the backend keeps them.
+    type Chunk;
+    type Error: From<Error>;
+
+    /// A chunk of these records and nets.
+    fn upload(&mut self, records: Vec<u32>, nets: Vec<[f32; 4]>) -> Result<Self::Chunk, Self::Error>;
+    /// The records and nets of a chunk.
+    fn read(&mut self, chunk: &Self::Chunk) -> Result<(Vec<u32>, Vec<[f32; 4]>), Self::Error>;
+    /// Modules of the chunk.
+    fn len(&self, chunk: &Self::Chunk) -> usize;
+    /// Modules that one chunk can hold at most.
+    fn most_modules(&self) -> usize;
+    /// The chunk in pieces of at most `most` modules, in order.
+    fn split(&mut self, chunk: Self::Chunk, most: usize) -> Result<Vec<Self::Chunk>, Self::Error>;
+    /// One sweep of the passes over a chunk. `room` is how many bytes the new chunks may take:
+    /// beyond it nothing is written, and the outcome says what was needed.
+    fn step(
+        &mut self,
+        stage: StageId,
+        step: u32,
+        chunk: Self::Chunk,
+        room: u64,
+    ) -> Result<Outcome<Self::Chunk>, Self::Error>;
+}
+
+/// A stage of the plan's tables.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct StageId {
+    pub rule_set: usize,
+    pub stage: usize,
+}
+
+impl StageId {
+    /// The stage itself.
+    pub fn of(self, plan: &Plan) -> &Stage {
+        &plan.tables.rule_sets[self.rule_set].stages[self.stage]
+    }
+}
+
+/// What came of a sweep.
+pub enum Outcome<C> {
+    /// What goes on, what is finished (with the symbols in it, bit s mod 32), whether a rule fired.
+    Done { next: Option<C>, retired: Option<(C, u32)>, fired: bool },
+    /// It would have taken this many bytes, for this many modules.
+    NoRoom { needed: u64, modules: u64 },
+    /// A child's address would not have fitted.
+    TooDeep,
+}
+
+/// How a derivation is run.
+#[derive(Clone)]
+pub struct Options<'a> {
+    /// Params by name.
+    pub set: Vec<(String, Value)>,
+    /// Stop after this many steps in all.
+    pub steps: Option<u32>,
+    /// Bytes that the word, with what a step writes, may take.
+    pub max_bytes: u64,
+    /// Chunks of at most this many modules before every step.
+    pub chunk_modules: Option<usize>,
+    /// Looked at between chunks: true ends the derivation with [`Error::Stopped`].
+    pub stop: Option<&'a AtomicBool>,
+    /// Told after every step.
+    pub progress: Option<&'a dyn Fn(Progress)>,
+}
+
+impl Default for Options<'_> {
+    /// The system's own params and schedule, within 4 GiB.
+    fn default() -> Self {
+        Options {
+            set: Vec::new(),
+            steps: None,
+            max_bytes: 4 << 30,
+            chunk_modules: None,
+            stop: None,
+            progress: None,
+        }
+    }
+}
+
+/// Where a derivation stands.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress {
+    /// Steps done, and steps there may be in all.
+    pub step: u32,
+    pub of: u32,
+    pub modules: u64,
+    pub bytes: u64,
+}
+
+/// One step that was done.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepStats {
+    /// Modules of the word after the step.
+    pub modules: u64,
+    /// Wall-clock time. On a GPU steps that need no answer are only recorded; the wait falls on
+    /// the next one that does.
+    pub time: Duration,
+}
+
+/// The final word, in chunks, and how it came about.
+pub struct Derivation<C> {
+    pub chunks: Vec<C>,
+    pub steps: Vec<StepStats>,
+    pub peak_bytes: u64,
+}
+
+/// Runs the whole schedule on `backend`.
+pub fn derive<B: Backend>(
+    plan: &Plan,
+    axiom: &patch::Axiom,
+    uniforms: &[Value],
+    options: &Options,
+    backend: &mut B,
+) -> Result<Derivation<B::Chunk>, B::Error> {
+    let schedule = schedule::unroll(plan, uniforms)?;
+    let (records, nets) = plan.axiom(axiom, uniforms)?;
+    refuse_growth(plan, &records, &schedule, options)?;
+    let layout = plan.tables.layout;
+    let modules = (records.len() / layout.record_words) as u64;
+    let mut run = Run {
+        plan,
+        options,
+        frontier: vec![],
+        finished: vec![],
+        steps: vec![],
+        modules,
+        peak_bytes: modules * layout.module_bytes(),
+        most_steps: most_steps(&schedule, options),
+        backend,
+    };
+    if modules > 0 {
+        let chunk = run.backend.upload(records, nets)?;
+        run.frontier.push(chunk);
+    }
+    for derive in schedule {
+        if run.steps.len() as u64 >= run.most_steps {
+            break;
+        }
+        run.derive(derive)?;
+    }
+    let chunks = run.frontier.into_iter().chain(run.finished.into_iter().map(|f| f.0)).collect();
+    Ok(Derivation { chunks, steps: run.steps, peak_bytes: run.peak_bytes })
+}
+
+fn most_steps(schedule: &[Derive], options: &Options) -> u64 {
+    let all = schedule.iter().map(|d| d.count as u64).sum();
+    options.steps.map_or(all, |s| all.min(s as u64))
+}
+
+/// Bounds of the word's size after each step, from the rules alone.
+pub fn bounds(plan: &Plan, records: &[u32], schedule: &[Derive], most: u64) -> Vec<Bounds> {
+    let mut axiom = vec![0u64; plan.tables.symbols.len()];
+    for record in records.chunks_exact(plan.tables.layout.record_words) {
+        axiom[Header::read(record).symbol as usize] += 1;
+    }
+    let sure = schedule.iter().take_while(|d| !d.until_terminal);
+    let steps: Vec<usize> = sure
+        .flat_map(|d| std::iter::repeat_n(d.rule_set, d.count.min(size::HORIZON as u32) as usize))
+        .take(most.min(size::HORIZON as u64) as usize)
+        .collect();
+    size::growth(&plan.tables, &axiom, &steps)
+}
+
+/// Refuses only what is sure not to fit. Steps behind an `until terminal` may never run, so the
+/// bounds end there.
+fn refuse_growth(plan: &Plan, records: &[u32], schedule: &[Derive], options: &Options) -> Result<(), Error> {
+    let module = plan.tables.layout.module_bytes();
+    let bounds = bounds(plan, records, schedule, most_steps(schedule, options));
+    match bounds.iter().position(|b| b.least.saturating_mul(module) > options.max_bytes) {
+        None => Ok(()),
+        Some(step) => Err(Error::Memory {
+            needed: bounds[step].least.saturating_mul(module),
+            modules: bounds[step].least,
+            step: step as u32,
+            budget: options.max_bytes,
+        }),
+    }
+}
+
+struct Run<'a, B: Backend> {
+    plan: &'a Plan,
+    options: &'a Options<'a>,
+    backend: &'a mut B,
+    frontier: Vec<B::Chunk>,
+    /// With the symbols that occur in it, bit s mod 32.
+    finished: Vec<(B::Chunk, u32)>,
+    steps: Vec<StepStats>,
+    /// Of the whole word.
+    modules: u64,
+    peak_bytes: u64,
+    most_steps: u64,
+}
+
+impl<B: Backend> Run<'_, B> {
+    fn derive(&mut self, derive: Derive) -> Result<(), B::Error> {
+        self.recall(derive.rule_set);
+        for step in 0..derive.count {
+            if self.steps.len() as u64 >= self.most_steps {
+                break;
+            }
+            let start = Instant::now();
+            let fired = self.step(derive.rule_set, step)?;
+            if derive.until_terminal && !fired {
+                break;
+            }
+            self.steps.push(StepStats { modules: self.modules, time: start.elapsed() });
+            if let Some(progress) = self.options.progress {
+                progress(Progress {
+                    step: self.steps.len() as u32,
+                    of: self.most_steps.min(u32::MAX as u64) as u32,
+                    modules: self.modules,
+                    bytes: self.modules * self.plan.tables.layout.module_bytes(),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Finished chunks that hold a symbol which the rule set names go back to the frontier.
+    fn recall(&mut self, rule_set: usize) {
+        let Some(first) = self.plan.tables.rule_sets[rule_set].stages.first() else { return };
+        let named = first.productions.iter().fold(0u32, |m, p| m | 1 << (p.predecessor % 32));
+        let (back, stay) = std::mem::take(&mut self.finished).into_iter().partition(|f| f.1 & named != 0);
+        self.finished = stay;
+        self.frontier.extend(Vec::into_iter(back).map(|f: (B::Chunk, u32)| f.0));
+    }
+
+    /// One step over all chunks; whether any rule fired.
+    fn step(&mut self, rule_set: usize, step: u32) -> Result<bool, B::Error> {
+        let mut fired = false;
+        for stage in 0..self.plan.tables.rule_sets[rule_set].stages.len() {
+            let id = StageId { rule_set, stage };
+            fired |= self.sweep(id, step)?;
+        }
+        Ok(fired)
+    }
+
+    fn sweep(&mut self, id: StageId, step: u32) -> Result<bool, B::Error> {
+        let layout = self.plan.tables.layout;
+        let growth = id.of(self.plan).max_count() as usize;
+        let most = (self.backend.most_modules() / growth).max(1);
+        let most = self.options.chunk_modules.map_or(most, |m| most.min(m.max(1)));
+        let mut fired = false;
+        let mut next = Vec::new();
+        let mut waiting = std::mem::take(&mut self.frontier);
+        waiting.reverse();
+        while let Some(chunk) = waiting.pop() {
+            if self.options.stop.is_some_and(|s| s.load(Ordering::Relaxed)) {
+                return Err(Error::Stopped { steps: self.steps.len() as u32 }.into());
+            }
+            let length = self.backend.len(&chunk);
+            if length > most {
+                waiting.extend(self.backend.split(chunk, most)?.into_iter().rev());
+                continue;
+            }
+            // The word as it stands, this chunk's old modules among it, is there beside the new ones.
+            let held = self.modules * layout.module_bytes();
+            let room = self.options.max_bytes.saturating_sub(held);
+            match self.backend.step(id, step, chunk, room)? {
+                Outcome::Done { next: live, retired, fired: any } => {
+                    fired |= any;
+                    let mut new = 0;
+                    if let Some(live) = live {
+                        new += self.backend.len(&live) as u64;
+                        next.push(live);
+                    }
+                    if let Some(retired) = retired {
+                        new += self.backend.len(&retired.0) as u64;
+                        self.finished.push(retired);
+                    }
+                    let bytes = held + new * layout.module_bytes();
+                    self.peak_bytes = self.peak_bytes.max(bytes);
+                    self.modules = self.modules + new - length as u64;
+                }
+                Outcome::NoRoom { needed, modules } => {
+                    return Err(Error::Memory {
+                        needed: held + needed,
+                        modules: self.modules + modules,
+                        step: self.steps.len() as u32 + 1,
+                        budget: self.options.max_bytes,
+                    }
+                    .into());
+                }
+                Outcome::TooDeep => {
+                    return Err(Error::TooDeep { step: self.steps.len() as u32 + 1 }.into());
+                }
+            }
+        }
+        self.frontier = next;
+        Ok(fired)
+    }
+}
+
+/// Reads all chunks and puts the modules in the order of the derivation tree.
+pub fn collect<B: Backend>(
+    plan: &Plan,
+    backend: &mut B,
+    derivation: &Derivation<B::Chunk>,
+) -> Result<patch::Word, B::Error> {
+    let layout = plan.tables.layout;
+    let (mut records, mut nets) = (Vec::new(), Vec::new());
+    for chunk in &derivation.chunks {
+        let (r, n) = backend.read(chunk)?;
+        if records.is_empty() {
+            (records, nets) = (r, n);
+        } else {
+            records.extend(r);
+            nets.extend(n);
+        }
+    }
+    Ok(word(plan, &layout, derivation.steps.len() as u32, &records, nets))
+}
+
+fn word(plan: &Plan, layout: &Layout, steps: u32, records: &[u32], nets: Vec<[f32; 4]>) -> patch::Word {
+    let headers: Vec<Header> = records.chunks_exact(layout.record_words).map(Header::read).collect();
+    let place = |h: &Header| (h.root, h.key);
+    let sorted = headers.is_sorted_by_key(place);
+    let mut order: Vec<u32> = (0..headers.len() as u32).collect();
+    if !sorted {
+        order.sort_unstable_by_key(|&i| place(&headers[i as usize]));
+    }
+    let module = |&i: &u32| {
+        let header = &headers[i as usize];
+        let symbol = &plan.tables.symbols[header.symbol as usize];
+        let record = &records[i as usize * layout.record_words..][..layout.record_words];
+        let params = symbol.fields.iter().zip(&symbol.words);
+        patch::Module {
+            symbol: header.symbol as usize,
+            params: params.map(|(f, &at)| Value::from_words(&f.ty, &record[at..])).collect(),
+            root: header.root,
+            key: header.key,
+            cell: header.cell,
+        }
+    };
+    let points = layout.net_points();
+    let modules = order.iter().map(module).collect();
+    let nets = if sorted {
+        nets
+    } else {
+        order.iter().flat_map(|&i| &nets[i as usize * points..][..points]).copied().collect()
+    };
+    let visible = plan.tables.symbols.iter().filter(|s| !s.hidden);
+    patch::Word {
+        system: plan.system.name.clone(),
+        steps,
+        symbols: visible.map(|s| patch::Symbol { name: s.name.clone(), fields: s.fields.clone() }).collect(),
+        degree: layout.degree,
+        rational: false,
+        modules,
+        nets,
+    }
+}

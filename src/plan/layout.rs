@@ -1,0 +1,116 @@
+//! What a module is in memory. Read this first.
+//!
+//! A module of a patch word is a *record* of 4-byte words and, beside it in a buffer of its own, a
+//! *net* of homogeneous control points (vec4, row by row). The stride of a record is a multiple of
+//! 16 bytes, so that kernels read it as `vec4u`:
+//!
+//! | word | holds |
+//! |---|---|
+//! | 0 | symbol (bits 0–15), halvings along u (16–23), along v (24–31) |
+//! | 1 | root: index in the axiom |
+//! | 2, 3 | order key, high and low word |
+//! | 4, 5 | row i and column j of the net at its level |
+//! | 6 … | parameters in order of declaration, each in [`Type::words`](crate::language::Type::words) words |
+//!
+//! **Order key**: the children taken since the root, left-aligned: two bits for a 2×2 block
+//! (row, column), one for 1×2 and 2×1. The modules of a word are leaves of one derivation tree, so
+//! sorting by (root, key) is its depth-first order, and (root, key) names a module for ever.
+//! At most [`MAX_HALVINGS`] halvings each way fit (62 key bits, and i and j within a word).
+
+use crate::patch::Cell;
+
+/// Halvings along u, and along v, that an address can hold.
+pub const MAX_HALVINGS: u8 = 31;
+
+/// Words of a record before its parameters.
+pub const HEADER_WORDS: usize = 6;
+
+/// Sizes of one module in memory, the same for all symbols of a system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Layout {
+    /// 4-byte words a record: a multiple of 4.
+    pub record_words: usize,
+    /// Degrees along u and v, 1..=8.
+    pub degree: [u8; 2],
+}
+
+impl Layout {
+    /// The layout for symbols with at most `param_words` words of parameters.
+    pub fn new(param_words: usize, degree: [u8; 2]) -> Layout {
+        Layout { record_words: (HEADER_WORDS + param_words).next_multiple_of(4), degree }
+    }
+
+    /// Control points a net: rows × columns.
+    pub fn net_points(&self) -> usize {
+        (self.degree[0] as usize + 1) * (self.degree[1] as usize + 1)
+    }
+
+    /// Bytes of a record.
+    pub fn record_bytes(&self) -> u64 {
+        self.record_words as u64 * 4
+    }
+
+    /// Bytes of a net.
+    pub fn net_bytes(&self) -> u64 {
+        self.net_points() as u64 * 16
+    }
+
+    /// Bytes of a module: its record and its net.
+    pub fn module_bytes(&self) -> u64 {
+        self.record_bytes() + self.net_bytes()
+    }
+}
+
+/// The header of a record, unpacked.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Header {
+    pub symbol: u16,
+    pub root: u32,
+    pub key: u64,
+    pub cell: Cell,
+}
+
+impl Header {
+    /// Reads words 0..6 of a record.
+    #[inline]
+    pub fn read(record: &[u32]) -> Header {
+        let w: &[u32; HEADER_WORDS] = record[..HEADER_WORDS].try_into().expect("a record holds a header");
+        Header {
+            symbol: w[0] as u16,
+            root: w[1],
+            key: (w[2] as u64) << 32 | w[3] as u64,
+            cell: Cell { du: (w[0] >> 16) as u8, dv: (w[0] >> 24) as u8, i: w[4], j: w[5] },
+        }
+    }
+
+    /// Writes words 0..6 of a record.
+    #[inline]
+    pub fn write(&self, record: &mut [u32]) {
+        record[..HEADER_WORDS].copy_from_slice(&[
+            self.symbol as u32 | (self.cell.du as u32) << 16 | (self.cell.dv as u32) << 24,
+            self.root,
+            (self.key >> 32) as u32,
+            self.key as u32,
+            self.cell.i,
+            self.cell.j,
+        ]);
+    }
+
+    /// The header of child (`hu`, `hv`) when `halves` says which directions are halved
+    /// (bit 0: u, bit 1: v); `None` where the address is full.
+    #[inline]
+    pub fn child(&self, halves: u32, hu: u32, hv: u32) -> Option<Header> {
+        let (su, sv) = (halves & 1, halves >> 1 & 1);
+        let Cell { du, dv, i, j } = self.cell;
+        let (next_du, next_dv) = (du + su as u8, dv + sv as u8);
+        if next_du > MAX_HALVINGS || next_dv > MAX_HALVINGS {
+            return None;
+        }
+        let (next_i, next_j) = (i << su | hu, j << sv | hv);
+        // The new bits stand behind the du + dv that are there: row bit first.
+        let bits = (hu << sv | hv) as u64;
+        let used = next_du as u32 + next_dv as u32;
+        let key = if used == 0 { self.key } else { self.key | bits << (64 - used) };
+        Some(Header { key, cell: Cell { du: next_du, dv: next_dv, i: next_i, j: next_j }, ..*self })
+    }
+}

@@ -1,0 +1,81 @@
+//! The `run:` block, its counts read: a flat list of derives.
+
+use super::{Error, Plan};
+use crate::language::eval;
+use crate::language::expr::{Expr, Value};
+use crate::language::system::{Step, StepKind};
+
+/// One `derive` of the schedule.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Derive {
+    /// Index into [`Tables::rule_sets`](super::Tables::rule_sets).
+    pub rule_set: usize,
+    /// Steps; the most there may be with `until_terminal`.
+    pub count: u32,
+    /// Ends before the first step in which no rule fires.
+    pub until_terminal: bool,
+}
+
+/// Derives a schedule may unroll to, and steps one of them may ask for.
+pub const MOST_DERIVES: usize = 1 << 16;
+pub const MOST_STEPS: u32 = 1_000_000;
+
+/// Unrolls `repeat` and `if` with the values of the uniforms.
+pub fn unroll(plan: &Plan, uniforms: &[Value]) -> Result<Vec<Derive>, Error> {
+    let mut list = Vec::new();
+    let mut turns = 0;
+    steps(plan, uniforms, &plan.system.run, &mut list, &mut turns)?;
+    Ok(list)
+}
+
+fn steps(
+    plan: &Plan,
+    uniforms: &[Value],
+    run: &[Step],
+    list: &mut Vec<Derive>,
+    turns: &mut usize,
+) -> Result<(), Error> {
+    for step in run {
+        *turns += 1;
+        if *turns > MOST_DERIVES {
+            return Err(Error::Value(format!(
+                "the schedule unrolls to more than {MOST_DERIVES} steps of `run:`"
+            )));
+        }
+        match &step.kind {
+            StepKind::Derive { count, until_terminal, groups } => {
+                let count = number(count, uniforms, "derive")?;
+                let rule_set = plan.tables.rule_set(groups).ok_or_else(|| {
+                    Error::Value("a derive of the schedule names rules that were not compiled".to_string())
+                })?;
+                list.push(Derive { rule_set, count, until_terminal: *until_terminal });
+            }
+            StepKind::Repeat { count, body } => {
+                for _ in 0..number(count, uniforms, "repeat")? {
+                    steps(plan, uniforms, body, list, turns)?;
+                }
+            }
+            StepKind::If { condition, body } => {
+                if value(condition, uniforms)? == Value::Bool(true) {
+                    steps(plan, uniforms, body, list, turns)?;
+                }
+            }
+            StepKind::Other(name) => {
+                return Err(super::Unsupported::new(format!("`{name}`"), step.span).into());
+            }
+        }
+    }
+    Ok(())
+}
+
+fn number(e: &Expr, uniforms: &[Value], what: &str) -> Result<u32, Error> {
+    match value(e, uniforms)? {
+        Value::Int(n) if n >= 0 && n as u32 <= MOST_STEPS => Ok(n as u32),
+        Value::Int(n) => Err(Error::Value(format!("`{what} {n}`: the count lies outside 0 .. {MOST_STEPS}"))),
+        other => Err(Error::Value(format!("`{what}`: the count is of type {}, not int", other.ty()))),
+    }
+}
+
+fn value(e: &Expr, uniforms: &[Value]) -> Result<Value, Error> {
+    eval::eval(e, uniforms).map_err(|e| Error::Value(format!("run: {e}")))
+}

@@ -1,0 +1,118 @@
+//! One step, written once. Read this second.
+//!
+//! A step rewrites every module of a chunk at once, in the passes listed here; each reads only
+//! what passes before it have written whole. Both backends walk this list: the CPU runs the
+//! function and the GPU the kernel of the same name (`src/cpu/NAME.rs`, `wgsl/NAME.wgsl`).
+//!
+//! ```text
+//! match_modules   which rule fires on each module               records → rules
+//! count           how many modules come of it                   rules → counts
+//! scan            where the first of them goes                  counts → offsets
+//! emit            children: symbols, parameters, addresses, nets  → records, nets
+//! compact         which modules no rule can ever fire on again  rules → retired
+//! retire          these, copied once to where they stay         → finished records, nets
+//! ```
+//!
+//! Where the growth is a closed form (every module has c successors), `match_modules`, `count`,
+//! `scan`, `compact` and `retire` are skipped: `emit` finds the rule by the symbol alone and writes
+//! to c·i. Nothing decides an index but a scan.
+
+/// A column: one array with an entry for every module of a chunk, or for the whole chunk.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Column {
+    /// Records before the step.
+    Records,
+    /// Nets before the step.
+    Nets,
+    /// The rule that fires on each module: an index into the stage's rule table, whose last two
+    /// rows are *keep* and *retired*.
+    Rules,
+    /// Modules that each module becomes.
+    Counts,
+    /// Exclusive prefix sum of the counts, and the total behind the last.
+    Offsets,
+    /// Records after the step.
+    NextRecords,
+    /// Nets after the step.
+    NextNets,
+    /// Prefix sums of the tiles of a scan, and the total behind the last.
+    Sums,
+    /// Indices of the retired modules in ascending order.
+    Retired,
+    /// Records of the retired modules.
+    FinishedRecords,
+    /// Nets of the retired modules.
+    FinishedNets,
+    /// Flags of the chunk: see [`Status`].
+    Status,
+    /// Uniforms of the system, then the rule table ([`super::tables::rule_word`]), as vec4u.
+    Environment,
+    /// What the host says of the dispatch: see [`Extent`].
+    Extent,
+}
+
+/// A pass of the step: its name, and its columns in the order of their bindings.
+#[derive(Clone, Copy, Debug)]
+pub struct Pass {
+    pub name: &'static str,
+    pub reads: &'static [Column],
+    pub writes: &'static [Column],
+}
+
+use Column::*;
+
+/// Which rule fires on each module.
+pub const MATCH: Pass =
+    Pass { name: "match_modules", reads: &[Extent, Environment, Records], writes: &[Rules, Status] };
+/// How many modules come of each.
+pub const COUNT: Pass = Pass { name: "count", reads: &[Extent, Environment, Rules], writes: &[Counts] };
+/// Where the first of them goes.
+pub const SCAN: Pass = Pass { name: "scan", reads: &[Extent, Counts], writes: &[Offsets, Sums] };
+/// The children.
+pub const EMIT: Pass = Pass {
+    name: "emit",
+    reads: &[Extent, Environment, Records, Nets, Rules, Offsets],
+    writes: &[NextRecords, NextNets, Status],
+};
+/// Which modules are retired.
+pub const COMPACT: Pass = Pass { name: "compact", reads: &[Extent, Rules], writes: &[Retired, Sums] };
+/// The retired modules, copied to where they stay.
+pub const RETIRE: Pass = Pass {
+    name: "retire",
+    reads: &[Extent, Records, Nets, Retired],
+    writes: &[FinishedRecords, FinishedNets, Status],
+};
+
+/// All passes, in the order in which they run.
+pub const PASSES: [Pass; 6] = [MATCH, COUNT, SCAN, EMIT, COMPACT, RETIRE];
+
+/// What the host says of a dispatch; a uniform of 16 bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Extent {
+    /// Modules of the chunk.
+    pub count: u32,
+    /// Steps done in this `derive`: the attribute `step`.
+    pub step: u32,
+    /// Modules that fit in the buffers that the pass writes; nothing is written past them.
+    pub capacity: u32,
+    /// The rule id that `compact` looks for.
+    pub wanted: u32,
+}
+
+/// What a chunk says of a step; 32 bytes. Each word only ever rises during a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Status {
+    /// Not 0: some rule fired.
+    pub fired: u32,
+    /// Not 0: a child's address would not fit ([`MAX_HALVINGS`](super::layout::MAX_HALVINGS)).
+    pub too_deep: u32,
+    /// Bit s mod 32 is set if a module of symbol s is retired.
+    pub retired_symbols: u32,
+    /// 0, or the modules that `emit` would have had to write: more than the capacity.
+    pub needed: u32,
+    /// The same of `retire`.
+    pub needed_finished: u32,
+    pub reserved: [u32; 3],
+}

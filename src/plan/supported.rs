@@ -1,0 +1,144 @@
+//! What this version derives. A system that uses more parses and checks, but is not run: the
+//! construct is named, and nothing is derived in part.
+
+use crate::language::Span;
+use crate::language::expr::{Expr, ExprKind, Type};
+
+use crate::language::system::{Kind, Rule, Step, StepKind, Successor, System};
+
+/// A construct that this version checks but does not derive.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("this version does not derive {construct}")]
+pub struct Unsupported {
+    /// What it is, as a noun phrase.
+    pub construct: String,
+    pub span: Span,
+}
+
+impl Unsupported {
+    pub fn new(construct: impl Into<String>, span: Span) -> Unsupported {
+        Unsupported { construct: construct.into(), span }
+    }
+}
+
+/// The degree of a patch system that this version derives.
+pub fn degree(system: &System) -> Result<[u8; 2], Unsupported> {
+    let span = system.source.kind_span;
+    let degree = match system.kind {
+        Kind::Curve(_) => return Err(Unsupported::new("curve systems", span)),
+        Kind::Mesh => return Err(Unsupported::new("mesh systems", span)),
+        Kind::Patch { rational: true, .. } => return Err(Unsupported::new("`rational` nets", span)),
+        Kind::Patch { degree, .. } => degree,
+    };
+    if degree != [3, 3] {
+        let [u, v] = degree;
+        return Err(Unsupported::new(
+            format!("nets of degree {u}×{v} (only bicubic ones, `bezier 3`)"),
+            span,
+        ));
+    }
+    for symbol in &system.symbols {
+        for field in &symbol.fields {
+            if !matches!(field.ty, Type::Int | Type::Bool) {
+                let what = format!("parameters of type {} ({} of {})", field.ty, field.name, symbol.name);
+                return Err(Unsupported::new(what, symbol.span));
+            }
+        }
+    }
+    steps(&system.run)?;
+    Ok(degree)
+}
+
+fn steps(run: &[Step]) -> Result<(), Unsupported> {
+    for step in run {
+        match &step.kind {
+            StepKind::Derive { .. } => {}
+            StepKind::Repeat { body, .. } | StepKind::If { body, .. } => steps(body)?,
+            StepKind::Other(name) => {
+                return Err(Unsupported::new(format!("`{name}` in a patch system"), step.span));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Whether every part of the rule is derived.
+pub fn rule(system: &System, rule: &Rule) -> Result<(), Unsupported> {
+    if let Some(q) = rule.queries.first() {
+        let name = &system.queries[q.query].name;
+        return Err(Unsupported::new(format!("queries (`?{name}`)"), q.span));
+    }
+    if let Some(context) = rule.left.as_ref().or(rule.right.as_ref()) {
+        return Err(Unsupported::new("contexts in patch systems", context.span));
+    }
+    if rule.strict.len() != 1 {
+        return Err(Unsupported::new("several strict predecessors in patch systems", rule.span));
+    }
+    if let Some(l) = rule.lets.first() {
+        return Err(Unsupported::new(format!("`let` (of {})", l.name), l.value.span));
+    }
+    if rule.alternatives.len() != 1 || rule.alternatives[0].weight.is_some() {
+        return Err(Unsupported::new("weights", rule.alternatives[0].span));
+    }
+    let alternative = &rule.alternatives[0];
+    if let Successor::Modules(_) = alternative.successor {
+        return Err(Unsupported::new("brackets in patch systems", alternative.span));
+    }
+    for e in rule.tests.iter().chain(&rule.condition) {
+        expr(e)?;
+    }
+    modules(&alternative.successor, &mut |m| m.args.iter().try_for_each(expr))
+}
+
+fn modules(
+    successor: &Successor,
+    visit: &mut dyn FnMut(&crate::language::system::Module) -> Result<(), Unsupported>,
+) -> Result<(), Unsupported> {
+    use crate::language::system::{Block, Cell};
+    fn block(
+        b: &Block,
+        visit: &mut dyn FnMut(&crate::language::system::Module) -> Result<(), Unsupported>,
+    ) -> Result<(), Unsupported> {
+        b.cells.iter().try_for_each(|c| match c {
+            Cell::Eps => Ok(()),
+            Cell::Module(m) => visit(m),
+            Cell::Block(b) => block(b, visit),
+        })
+    }
+    match successor {
+        Successor::Erase => Ok(()),
+        Successor::Relabel(m) => visit(m),
+        Successor::Split(b) => block(b, visit),
+        Successor::Modules(list) => list.iter().try_for_each(visit),
+    }
+}
+
+/// Whether the expression is made of what this version evaluates: int and bool.
+fn expr(e: &Expr) -> Result<(), Unsupported> {
+    let mut found = Ok(());
+    e.walk(&mut |e| {
+        if found.is_ok() {
+            found = node(e);
+        }
+    });
+    found
+}
+
+fn node(e: &Expr) -> Result<(), Unsupported> {
+    let refuse = |what: String| Err(Unsupported::new(what, e.span));
+    match &e.kind {
+        ExprKind::Attribute("level" | "step") => Ok(()),
+        ExprKind::Attribute(name) => {
+            refuse(format!("the attribute `{name}` in rules (only `level` and `step`)"))
+        }
+        ExprKind::Random { function, .. } => refuse(format!("`{function}`")),
+        ExprKind::Sample(..) => refuse("queries sampled at a point".to_string()),
+        ExprKind::Element(..) => refuse("lists in rules".to_string()),
+        ExprKind::Component(..) | ExprKind::Vector(_) => refuse("vectors in rules".to_string()),
+        ExprKind::Call(op, _) if !matches!(e.ty, Type::Int | Type::Bool) || op.row().cpu.is_none() => {
+            refuse(format!("`{}` of type {} in rules", op.row().name, e.ty))
+        }
+        _ if !matches!(e.ty, Type::Int | Type::Bool) => refuse(format!("values of type {} in rules", e.ty)),
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,341 @@
+//! From a framed scene to pixels, on the device.
+
+use super::Error;
+use super::batch::{Batch, Vertex};
+use crate::io::png::Image;
+use wgpu::{BufferUsages, TextureFormat, TextureUsages, VertexFormat, VertexStepMode};
+
+const SHADER: &str = include_str!("../../wgsl/picture.wgsl");
+/// Linear light in the shader, sRGB in the bytes; samples are averaged in linear light.
+const COLOR: TextureFormat = TextureFormat::Rgba8UnormSrgb;
+const DEPTH: TextureFormat = TextureFormat::Depth32Float;
+const SAMPLES: u32 = 4;
+
+/// Everything to draw, on the host.
+pub(super) struct Scene {
+    pub batches: Vec<Batch>,
+    /// Two end points each.
+    pub lines: Vec<[f32; 6]>,
+    pub view: [[f32; 4]; 11],
+}
+
+/// The bytes that one vertex, index or line buffer may have: WebGPU promises 256 MiB, and smaller
+/// pieces are kinder to the staging memory.
+pub(super) fn buffer_limit(device: &wgpu::Device) -> u64 {
+    device.limits().max_buffer_size.min(64 << 20)
+}
+
+/// Draws the scene and reads the picture back.
+pub(super) fn draw(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    scene: &Scene,
+    size: [u32; 2],
+) -> Result<Image, Error> {
+    let scopes = Scopes::push(device);
+    let target = Target::new(device, size);
+    submit(device, queue, scene, &target);
+    // What went wrong so far explains why the pixels could not be read, so it comes first.
+    let pixels = target.read(device);
+    scopes.pop()?;
+    Ok(Image { width: size[0], height: size[1], pixels: pixels? })
+}
+
+/// Catches every kind of error of the device, so that none reaches the handler of its owner.
+struct Scopes([wgpu::ErrorScopeGuard; 3]);
+
+impl Scopes {
+    fn push(device: &wgpu::Device) -> Scopes {
+        use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
+        Scopes([OutOfMemory, Internal, Validation].map(|filter| device.push_error_scope(filter)))
+    }
+
+    /// The error of the first scope that has one, innermost first.
+    fn pop(self) -> Result<(), Error> {
+        let Scopes([memory, internal, validation]) = self;
+        let errors = [
+            pollster::block_on(validation.pop()),
+            pollster::block_on(internal.pop()),
+            pollster::block_on(memory.pop()),
+        ];
+        match errors.into_iter().flatten().next() {
+            Some(error) => Err(Error::Device(error.to_string())),
+            None => Ok(()),
+        }
+    }
+}
+
+fn submit(device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene, target: &Target) {
+    let view =
+        upload(device, queue, "picture view", BufferUsages::UNIFORM, bytemuck::cast_slice(&scene.view));
+    let pipelines = Pipelines::new(device, &view);
+    let meshes: Vec<Geometry> =
+        scene.batches.iter().map(|batch| Geometry::new(device, queue, batch)).collect();
+    let line_length = size_of::<[f32; 6]>();
+    let lines: Vec<(wgpu::Buffer, u32)> = scene
+        .lines
+        .chunks((buffer_limit(device) as usize / line_length).max(1))
+        .map(|lines| {
+            let bytes = bytemuck::cast_slice(lines);
+            (upload(device, queue, "picture lines", BufferUsages::VERTEX, bytes), lines.len() as u32)
+        })
+        .collect();
+    let mut encoder =
+        device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("picture") });
+    {
+        let mut pass = target.begin(&mut encoder);
+        pass.set_bind_group(0, &pipelines.view, &[]);
+        pass.set_pipeline(&pipelines.background);
+        pass.draw(0..3, 0..1);
+        pass.set_pipeline(&pipelines.surface);
+        meshes.iter().for_each(|geometry| geometry.draw(&mut pass));
+        pass.set_pipeline(&pipelines.line);
+        for (buffer, count) in &lines {
+            pass.set_vertex_buffer(0, buffer.slice(..));
+            pass.draw(0..6, 0..*count);
+        }
+    }
+    target.copy(&mut encoder);
+    queue.submit([encoder.finish()]);
+}
+
+fn upload(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    label: &str,
+    usage: BufferUsages,
+    bytes: &[u8],
+) -> wgpu::Buffer {
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size: bytes.len() as u64,
+        usage: usage | BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    queue.write_buffer(&buffer, 0, bytes);
+    buffer
+}
+
+/// A batch on the device.
+struct Geometry {
+    vertices: wgpu::Buffer,
+    indices: wgpu::Buffer,
+    count: u32,
+}
+
+impl Geometry {
+    fn new(device: &wgpu::Device, queue: &wgpu::Queue, batch: &Batch) -> Geometry {
+        let (vertices, indices) =
+            (bytemuck::cast_slice(&batch.vertices), bytemuck::cast_slice(&batch.indices));
+        Geometry {
+            vertices: upload(device, queue, "picture vertices", BufferUsages::VERTEX, vertices),
+            indices: upload(device, queue, "picture indices", BufferUsages::INDEX, indices),
+            count: batch.indices.len() as u32,
+        }
+    }
+
+    fn draw(&self, pass: &mut wgpu::RenderPass) {
+        pass.set_vertex_buffer(0, self.vertices.slice(..));
+        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
+        pass.draw_indexed(0..self.count, 0, 0..1);
+    }
+}
+
+struct Pipelines {
+    background: wgpu::RenderPipeline,
+    surface: wgpu::RenderPipeline,
+    line: wgpu::RenderPipeline,
+    view: wgpu::BindGroup,
+}
+
+impl Pipelines {
+    fn new(device: &wgpu::Device, view: &wgpu::Buffer) -> Pipelines {
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("picture.wgsl"),
+            source: wgpu::ShaderSource::Wgsl(SHADER.into()),
+        });
+        let bindings = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("picture view"),
+            entries: &[wgpu::BindGroupLayoutEntry {
+                binding: 0,
+                visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+                ty: wgpu::BindingType::Buffer {
+                    ty: wgpu::BufferBindingType::Uniform,
+                    has_dynamic_offset: false,
+                    min_binding_size: None,
+                },
+                count: None,
+            }],
+        });
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("picture"),
+            bind_group_layouts: &[Some(&bindings)],
+            immediate_size: 0,
+        });
+        let new = Builder { device, module: &module, layout: &layout };
+        Pipelines {
+            background: new.pipeline("background", None, false),
+            surface: new.pipeline("surface", Some(VertexStepMode::Vertex), true),
+            line: new.pipeline("line", Some(VertexStepMode::Instance), true),
+            view: device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("picture view"),
+                layout: &bindings,
+                entries: &[wgpu::BindGroupEntry { binding: 0, resource: view.as_entire_binding() }],
+            }),
+        }
+    }
+}
+
+/// What the three pipelines have in common.
+struct Builder<'a> {
+    device: &'a wgpu::Device,
+    module: &'a wgpu::ShaderModule,
+    layout: &'a wgpu::PipelineLayout,
+}
+
+impl Builder<'_> {
+    /// The pipeline of the entry points `name`_vertex and `name`_fragment; `input` says how it steps
+    /// through pairs of three floats, if it reads any.
+    fn pipeline(&self, name: &str, input: Option<VertexStepMode>, depth: bool) -> wgpu::RenderPipeline {
+        let pair = |step_mode| wgpu::VertexBufferLayout {
+            array_stride: size_of::<Vertex>() as u64,
+            step_mode,
+            attributes: &[
+                wgpu::VertexAttribute { format: VertexFormat::Float32x3, offset: 0, shader_location: 0 },
+                wgpu::VertexAttribute { format: VertexFormat::Float32x3, offset: 12, shader_location: 1 },
+            ],
+        };
+        let buffers: Vec<_> = input.map(|step_mode| Some(pair(step_mode))).into_iter().collect();
+        let compare = if depth { wgpu::CompareFunction::Less } else { wgpu::CompareFunction::Always };
+        self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(&format!("picture {name}")),
+            layout: Some(self.layout),
+            vertex: wgpu::VertexState {
+                module: self.module,
+                entry_point: Some(&format!("{name}_vertex")),
+                compilation_options: Default::default(),
+                buffers: &buffers,
+            },
+            primitive: wgpu::PrimitiveState::default(),
+            depth_stencil: Some(wgpu::DepthStencilState {
+                format: DEPTH,
+                depth_write_enabled: Some(depth),
+                depth_compare: Some(compare),
+                stencil: wgpu::StencilState::default(),
+                bias: wgpu::DepthBiasState::default(),
+            }),
+            multisample: wgpu::MultisampleState { count: SAMPLES, ..Default::default() },
+            fragment: Some(wgpu::FragmentState {
+                module: self.module,
+                entry_point: Some(&format!("{name}_fragment")),
+                compilation_options: Default::default(),
+                targets: &[Some(COLOR.into())],
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
+    }
+}
+
+/// What is drawn into, and the buffer that the host reads.
+struct Target {
+    size: [u32; 2],
+    samples: wgpu::TextureView,
+    depth: wgpu::TextureView,
+    resolved: wgpu::Texture,
+    readback: wgpu::Buffer,
+}
+
+impl Target {
+    fn new(device: &wgpu::Device, size: [u32; 2]) -> Target {
+        let texture = |label, format, sample_count, usage| {
+            device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: extent(size),
+                mip_level_count: 1,
+                sample_count,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage,
+                view_formats: &[],
+            })
+        };
+        let drawn = TextureUsages::RENDER_ATTACHMENT;
+        Target {
+            size,
+            samples: texture("picture samples", COLOR, SAMPLES, drawn).create_view(&Default::default()),
+            depth: texture("picture depth", DEPTH, SAMPLES, drawn).create_view(&Default::default()),
+            resolved: texture("picture", COLOR, 1, drawn | TextureUsages::COPY_SRC),
+            readback: device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("picture readback"),
+                size: u64::from(row_bytes(size)) * u64::from(size[1]),
+                usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            }),
+        }
+    }
+
+    fn begin<'a>(&self, encoder: &'a mut wgpu::CommandEncoder) -> wgpu::RenderPass<'a> {
+        let resolved = self.resolved.create_view(&Default::default());
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("picture"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &self.samples,
+                depth_slice: None,
+                resolve_target: Some(&resolved),
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                    store: wgpu::StoreOp::Discard,
+                },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &self.depth,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(1.0),
+                    store: wgpu::StoreOp::Discard,
+                }),
+                stencil_ops: None,
+            }),
+            timestamp_writes: None,
+            occlusion_query_set: None,
+            multiview_mask: None,
+        })
+    }
+
+    fn copy(&self, encoder: &mut wgpu::CommandEncoder) {
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(row_bytes(self.size)),
+            rows_per_image: None,
+        };
+        let to = wgpu::TexelCopyBufferInfo { buffer: &self.readback, layout };
+        encoder.copy_texture_to_buffer(self.resolved.as_image_copy(), to, extent(self.size));
+    }
+
+    /// Waits for the device and takes the pixels, without the padding of the rows.
+    fn read(&self, device: &wgpu::Device) -> Result<Vec<u8>, Error> {
+        let (sender, receiver) = std::sync::mpsc::channel();
+        self.readback.map_async(wgpu::MapMode::Read, .., move |result| {
+            // The receiver waits below, unless the poll failed first.
+            let _ = sender.send(result);
+        });
+        device.poll(wgpu::PollType::wait_indefinitely()).map_err(failed)?;
+        receiver.try_recv().map_err(failed)?.map_err(failed)?;
+        let bytes = self.readback.get_mapped_range(..).map_err(failed)?;
+        let row = self.size[0] as usize * 4;
+        Ok(bytes.chunks(row_bytes(self.size) as usize).flat_map(|padded| &padded[..row]).copied().collect())
+    }
+}
+
+fn failed(error: impl std::fmt::Display) -> Error {
+    Error::Device(error.to_string())
+}
+
+fn extent([width, height]: [u32; 2]) -> wgpu::Extent3d {
+    wgpu::Extent3d { width, height, depth_or_array_layers: 1 }
+}
+
+/// Rows in a buffer start at multiples of 256 bytes.
+fn row_bytes([width, _]: [u32; 2]) -> u32 {
+    (width * 4).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT)
+}
