@@ -498,42 +498,28 @@ fn k14_sierpinski(backend: &Backend) {
     }
 }
 
-/// Control nets of a Sierpinski triangle on the teapot against tests/golden, made with rationals.
+/// A Sierpinski triangle on a net of the teapot against tests/golden, made with exact rationals.
 fn k14_the_teapot_agrees_with_exact_rationals(backend: &Backend) {
-    let root = match std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/data/teapot.bpt"))
-    {
-        Ok(text) => read_bpt(&text).swap_remove(5),
-        Err(_) => return,
-    };
-    let text = SIERPINSKI.replace("  Q = file \"sheet.bpt\"", "").replace("derive 6", "derive 3");
-    let words = backend.words(&text, &[root]);
     let golden = include_str!("golden/sierpinski3_teapot5.txt");
-    let lines: Vec<&str> = golden.lines().filter(|l| !l.starts_with('#')).collect();
-    assert_eq!(words[3].len(), lines.len() / 5);
-    for (module, lines) in words[3].iter().zip(lines.chunks(5)) {
+    let lines: Vec<&str> = golden.lines().filter(|line| !line.starts_with('#')).collect();
+    let blocks: Vec<(&str, Net)> = lines.chunks(5).map(|block| (block[0], golden_net(&block[1..]))).collect();
+    let text = SIERPINSKI.replace("  Q = file \"sheet.bpt\"", "").replace("derive 6", "derive 3");
+    let words = backend.words(&text, std::slice::from_ref(&blocks[0].1));
+    assert_eq!(words[3].len(), blocks.len() - 1);
+    for (module, (head, net)) in words[3].iter().zip(&blocks[1..]) {
         let oracle::Cell { du, dv, i, j } = module.cell;
-        assert_eq!(format!("{} {du} {dv} {i} {j}", module.symbol), lines[0]);
-        let numbers: Vec<f64> =
-            lines[1..].iter().flat_map(|l| l.split_whitespace()).map(|x| x.parse().unwrap()).collect();
-        for (point, exact) in module.net.points.iter().zip(numbers.chunks(3)) {
-            backend.assert_near(*point, [exact[0], exact[1], exact[2], 1.0]);
+        assert_eq!(format!("{} {du} {dv} {i} {j}", module.symbol), *head);
+        for (point, exact) in module.net.points.iter().zip(&net.points) {
+            backend.assert_near(*point, *exact);
         }
     }
 }
 
-/// A .bpt file without weights.
-fn read_bpt(text: &str) -> Vec<Net> {
-    let mut numbers = text.split_whitespace().map(|x| x.parse::<f64>().unwrap());
-    let mut next = || numbers.next().expect("a number");
-    let count = next() as usize;
-    let mut net = || {
-        let degree = [next() as usize, next() as usize];
-        Net::new(
-            degree,
-            (0..(degree[0] + 1) * (degree[1] + 1)).map(|_| [next(), next(), next(), 1.0]).collect(),
-        )
-    };
-    (0..count).map(|_| net()).collect()
+/// Four rows of four points x y z.
+fn golden_net(rows: &[&str]) -> Net {
+    let numbers = rows.iter().flat_map(|row| row.split_whitespace()).map(|x| x.parse().expect("a number"));
+    let numbers: Vec<f64> = numbers.collect();
+    Net::new([3, 3], numbers.chunks(3).map(|p| [p[0], p[1], p[2], 1.0]).collect())
 }
 
 // --- section 3 ---------------------------------------------------------------------------------
