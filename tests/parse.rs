@@ -1,13 +1,668 @@
 //! The parser: examples, round trips, refusals, robustness.
-use burgeon::language::parse::parse;
+use burgeon::language::diagnostic::{Diagnostic, Severity, code, nearest, render};
+use burgeon::language::lex::MAX_ERRORS;
+use burgeon::language::parse::{MAX_RULES, decode, parse};
+use burgeon::language::print::print;
+use burgeon::language::syntax::*;
+use proptest::prelude::*;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// All rule files of a folder of test data, with their texts.
+fn files(folder: &str) -> Vec<(PathBuf, String)> {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(folder);
+    let mut files: Vec<_> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|e| e == "burgeon"))
+        .map(|path| {
+            let text = std::fs::read_to_string(&path).unwrap();
+            (path, text)
+        })
+        .collect();
+    files.sort();
+    files
+}
+
+fn shown(diagnostics: &[Diagnostic], text: &str) -> String {
+    render(diagnostics, "test.burgeon", text, false)
+}
+
+fn parsed(text: &str) -> RuleFile {
+    let parsed = parse(text);
+    assert!(parsed.diagnostics.is_empty(), "{}\n{text}", shown(&parsed.diagnostics, text));
+    parsed.file
+}
+
+fn errors(text: &str) -> Vec<Diagnostic> {
+    let diagnostics = parse(text).diagnostics;
+    let _ = shown(&diagnostics, text);
+    diagnostics
+}
+
+fn codes(text: &str) -> Vec<&'static str> {
+    errors(text).iter().map(|d| d.code).collect()
+}
+
+/// What parses without errors prints to a text that parses to the same tree.
+fn round_trip(text: &str) {
+    let first = parse(text);
+    if first.diagnostics.is_empty() {
+        let printed = print(&first.file);
+        let again = parsed(&printed);
+        assert_eq!(again, first.file, "\n{text}\n----\n{printed}");
+        assert_eq!(print(&again), printed);
+    }
+}
+
+/// The only system of a text.
+fn system(text: &str) -> System {
+    match parsed(text).items.pop() {
+        Some(FileItem::System(system)) => system,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn rules(text: &str) -> Vec<Rule> {
+    let rules = |item| match item {
+        Item::Rules(rules) => Some(rules.rules),
+        _ => None,
+    };
+    system(text).items.into_iter().filter_map(rules).flatten().collect()
+}
+
+fn axiom(text: &str) -> AxiomKind {
+    let axiom = |item| match item {
+        Item::Axiom(axiom) => Some(axiom.kind),
+        _ => None,
+    };
+    system(text).items.into_iter().find_map(axiom).unwrap()
+}
+
+/// A curve system with the modules A, B, C and X(a, b), and these rules.
+fn curve(rules: &str) -> String {
+    format!("system s : curve\nmodule A, B, C, X(a: int, b: int)\naxiom: A\nrules:\n{rules}\n")
+}
+
+fn patch(rules: &str) -> String {
+    format!("system s : patch bezier 3\nmodule P, Q, R(l: int)\naxiom: P = file \"a.bpt\"\nrules:\n{rules}\n")
+}
+
+fn mesh(rules: &str) -> String {
+    format!("system s : mesh\nmodule A, B(n: int)\ntemplate t = \"t.obj\"\naxiom: t\nrules:\n{rules}\n")
+}
+
+// What is right.
 
 #[test]
-fn examples_parse() {
-    for entry in std::fs::read_dir("tests/data/language").unwrap() {
-        let path = entry.unwrap().path();
-        let text = std::fs::read_to_string(&path).unwrap();
-        let parsed = parse(&text);
-        assert!(parsed.diagnostics.is_empty(), "{}: {:#?}", path.display(), parsed.diagnostics);
-        assert!(!parsed.file.items.is_empty());
+fn examples_parse_and_print() {
+    let files = files("language");
+    assert!(files.len() > 25);
+    for (_, text) in files {
+        parsed(&text);
+        round_trip(&text);
+    }
+}
+
+#[test]
+fn a_newline_ends_a_statement_only_outside_of_brackets() {
+    let text = curve("  X(a,\n    b)\n    let c = a,\n  d = b\n");
+    assert_eq!(codes(&text).len(), 2, "`d = b` is a line of its own");
+    let rules = rules(&curve(
+        "  X(a,\n    b)\n    let c = (a\n + b)\n    : c > 0\n    -> X(c,\n c) [ B\n C ]\n  A -> B",
+    ));
+    assert_eq!(rules.len(), 2);
+    assert_eq!(rules[0].lets.len(), 1);
+    assert!(rules[0].condition.is_some());
+    // Inside braces lines count again, even where the braces stand behind brackets.
+    let text = mesh("  A -> extrude(1\n + 2) {\n    top: A\n    side, rim: B(nth)\n  }\n  B(n) -> A");
+    assert_eq!(self::rules(&text).len(), 2);
+    system("system s : curve\nconst x\n  = 3\nparam y : int\n  = 4\n");
+}
+
+#[test]
+fn text_may_have_a_mark_carriage_returns_and_signs() {
+    let text = "\u{feff}burgeon 1\r\nsystem s : curve\r\nmodule A(n: int)\r\naxiom: A(1)\r\nrules:\r\n  A(n) : n ≤ 3 && n ≠ 2 → ε // →\r\n";
+    let plain = "burgeon 1\nsystem s : curve\nmodule A(n: int)\naxiom: A(1)\nrules:\n  A(n) : n <= 3 && n != 2 -> eps\n";
+    assert_eq!(parsed(text), parsed(plain));
+    assert_eq!(print(&parsed(text)), plain);
+    assert_eq!(parsed(text).version.unwrap().text, "1");
+}
+
+#[test]
+fn in_a_word_doubled_signs_are_two_symbols() {
+    assert_eq!(rules(&curve("  A -> &&F||+F--")), rules(&curve("  A -> & & F | | + F - -")));
+    let rules = rules(&curve("  A : true && false || true -> F"));
+    assert!(matches!(&rules[0].condition.as_ref().unwrap().kind, ExprKind::Binary(BinaryOp::Or, ..)));
+}
+
+#[test]
+fn ranges_and_numbers() {
+    for text in
+        ["param x = 1 in 0..1", "param x = 1 in 0 .. 1", "param x = 1 in 0. .. 1e-3", "const x = 1. + 2.5e+2"]
+    {
+        parsed(text);
+        round_trip(text);
+    }
+    let FileItem::Param(param) = &parsed("param x = 1 in 1..2").items[0] else { panic!() };
+    let (low, high) = param.range.as_ref().unwrap();
+    assert!(
+        matches!((&low.kind, &high.kind), (ExprKind::Number(l), ExprKind::Number(h)) if l.text == "1" && h.text == "2")
+    );
+}
+
+#[test]
+fn precedence() {
+    let value = |text: &str| match parsed(&format!("const x = {text}")).items.remove(0) {
+        FileItem::Const(c) => c.value,
+        _ => panic!(),
+    };
+    for (plain, bracketed) in [
+        ("1 + 2*3", "1 + (2*3)"),
+        ("1 - 2 - 3", "(1 - 2) - 3"),
+        ("-a.x*b[1].y", "(-(a.x))*((b[1]).y)"),
+        ("a && b || c && !d", "(a && b) || (c && (!d))"),
+        ("a < b && c + 1 >= d", "(a < b) && ((c + 1) >= d)"),
+        ("a/b*c%d", "((a/b)*c)%d"),
+        ("--a - -b", "(-(-a)) - (-b)"),
+    ] {
+        assert_eq!(value(plain), value(bracketed), "{plain}");
+    }
+    assert_ne!(value("1 - (2 - 3)"), value("1 - 2 - 3"));
+    assert_eq!(value("if(c, 1, 2)"), value("if (c, 1, 2)"));
+}
+
+#[test]
+fn labels() {
+    let label = |text: &str| rules(text)[0].label.clone().map(|l| l.text);
+    assert_eq!(label(&curve("  p: A -> B")).as_deref(), Some("p"));
+    assert_eq!(label(&curve("  p: A : true -> B")).as_deref(), Some("p"));
+    assert_eq!(label(&curve("  p: A < B > [ C ] # let x = 1 -> B")).as_deref(), Some("p"));
+    assert_eq!(label(&curve("  A : true -> B")), None);
+    // A module is never a label, whatever follows.
+    assert_eq!(label(&curve("  A : B -> C")), None);
+    assert_eq!(label(&mesh("  j: A@t & A@t -> t")).as_deref(), Some("j"));
+    // Two colons: the first is a label's, so the missing module is the second name.
+    let wrong = errors(&curve("  p: Z : true -> B"));
+    assert_eq!((wrong.len(), wrong[0].code), (1, code::UNDECLARED_SYMBOL));
+    assert!(wrong[0].message.contains("`Z`"));
+}
+
+#[test]
+fn contexts_and_ends() {
+    let rules = rules(&curve(
+        "  # A B < C > [ A [ B ] # ] X(_, 1) # -> C\n  # < A -> B\n  A > # -> B\n  # -> #\n  A B -> C",
+    ));
+    assert_eq!(rules.len(), 4, "`# -> #` does nothing and is left out");
+    let first = &rules[0].predecessor;
+    assert!(first.left.as_ref().unwrap().end && first.left.as_ref().unwrap().patterns.len() == 2);
+    assert!(first.right.as_ref().unwrap().end && first.right.as_ref().unwrap().parts.len() == 2);
+    assert_eq!(rules[3].predecessor.strict.len(), 2);
+    let joined = self::rules(&mesh("  A@t & A@t -> eps"));
+    assert!(joined[0].predecessor.joined);
+    let turtle = self::rules(&curve("  & < + > - -> / \\ ^ !"));
+    assert!(!turtle[0].predecessor.joined);
+}
+
+#[test]
+fn blocks_and_branches() {
+    let element = |text: &str| match &rules(&patch(text))[0].alternatives[0].successor {
+        Successor::Word(word) => word[0].clone(),
+        other => panic!("{other:?}"),
+    };
+    let Element::Block(block) = element("  P -> [ P eps ; Q [ P | Q ] ]") else { panic!() };
+    assert_eq!(block.rows.iter().map(Vec::len).collect::<Vec<_>>(), [2, 2]);
+    assert!(matches!(&block.rows[1][1], Cell::Block(inner) if inner.rows.len() == 1));
+    assert!(matches!(element("  P -> [ P ; Q ]"), Element::Block(b) if b.rows.len() == 2));
+    assert!(matches!(element("  P -> [ P |\n Q ]"), Element::Block(_)));
+    assert!(matches!(element("  P -> [ +(30) P ] P"), Element::Branch(..)));
+    assert!(matches!(element("  P -> [ F P [ - Q ] ]"), Element::Branch(..)));
+    // In a curve `|` is the turtle's.
+    let curve = rules(&curve("  A -> [ B | C ]"));
+    assert!(
+        matches!(&curve[0].alternatives[0].successor, Successor::Word(w) if matches!(w[0], Element::Branch(..)))
+    );
+}
+
+#[test]
+fn axioms() {
+    let curve = |text: &str| {
+        axiom(&format!("system s : curve\nmodule A, P(v: vec2, n: int)\nconst p = (0, 0)\naxiom: {text}\n"))
+    };
+    assert!(matches!(curve("F [ + A ] A"), AxiomKind::Word(w) if w.len() == 3));
+    assert!(matches!(curve("\n  F A"), AxiomKind::Word(_)));
+    assert!(matches!(curve("[ A ] A"), AxiomKind::Word(_)));
+    assert!(matches!(curve("[ [ - A ] ]"), AxiomKind::Word(_)));
+    for list in ["[(0, 0), (1, 1)]", "[p, p]", "[(p)]", "[[p, p]]", "[1, 2] shift 3"] {
+        assert!(matches!(curve(list), AxiomKind::Source(Source { kind: SourceKind::List(_), .. })), "{list}");
+    }
+    assert!(matches!(curve("file \"a.csv\" [2] shift 3"), AxiomKind::Source(_)));
+    assert!(matches!(curve("earlier shift 1"), AxiomKind::Source(_)));
+    assert!(matches!(curve("circle(3)"), AxiomKind::Source(_)));
+    assert!(matches!(curve("P(_, 0) = file \"a.csv\" shift 2"), AxiomKind::Starts(s) if s.len() == 1));
+    let starts = axiom(
+        "system s : patch bezier 3\nmodule P(l: int), Q\naxiom: P(0)\n  = file \"a\"  Q = file \"b\" [1]\n  P(1) = file \"c\"\n",
+    );
+    assert!(matches!(starts, AxiomKind::Starts(s) if s.len() == 3));
+    let meshes = axiom(
+        "system s : mesh\nmodule A\naxiom: grid(1, 1, 1.0) at scale(2) corner { face: A }\n  trunk { a, b: A; }\n",
+    );
+    assert!(matches!(meshes, AxiomKind::Meshes(m) if m.len() == 2 && m[0].at.len() == 2));
+}
+
+#[test]
+fn successors_of_meshes() {
+    let successors: Vec<Successor> = rules(&mesh(
+        "  A -> eps\n  A -> B(1)\n  A -> A@(1, 2)\n  A -> other\n  A -> A { top: A }\n  A -> t(2) on corner scale(1, 1, 2)",
+    ))
+    .into_iter()
+    .map(|mut rule| rule.alternatives.remove(0).successor)
+    .collect();
+    let templates: Vec<bool> = successors.iter().map(|s| matches!(s, Successor::Template(_))).collect();
+    assert_eq!(templates, [false, false, false, true, true, true]);
+}
+
+#[test]
+fn what_stands_behind_run_belongs_to_the_file() {
+    let file = parsed(
+        "system a : curve\naxiom: F\nrun:\n  derive 1\nconst x = 1\nparam y = x\nsystem b : curve\naxiom: F\n",
+    );
+    assert_eq!(file.items.len(), 4);
+    round_trip(&print(&file));
+}
+
+#[test]
+fn all_else_round_trips() {
+    round_trip(&curve("  X(-1, true) -> B\n  X(_, false)@t -> A@3 B@(1 + 2) C@x"));
+    let text = "system s : mesh\nmodule S, +(a: float)\nvolume v : float(8, 8, 8) from (0, 0, 0) to (1, 1, 1)\ntemplate t { v 0 -1.5 0 e 0 1 2.5\n f base: 0 1 2 } base base side\nquery E(d: float)\nplace w on S, + = p\nrun:\n  deposit S(_) into v : true\n  derive until terminal\n  derive until terminal max 3 with a, b\n  repeat 2 { if x > 1 { place w }\n  mark S@1 : true isolated\n }\n  crease 2 : dihedral > 40\n  trace into S\n";
+    parsed(text);
+    round_trip(text);
+}
+
+// What is wrong.
+
+/// One error with this code, and a hint that says this.
+fn refused(text: &str, code: &str, hint: &str) {
+    let errors = errors(text);
+    let shown = shown(&errors, text);
+    assert_eq!(errors.len(), 1, "{text}\n{shown}");
+    assert_eq!(errors[0].code, code, "{shown}");
+    let said = errors[0].hint.clone().unwrap_or_default();
+    assert!(said.contains(hint), "{hint:?} is not in\n{shown}");
+}
+
+#[test]
+fn habits_of_other_systems_get_a_hint() {
+    for (rule, code, hint) in [
+        ("A = F A", code::FOREIGN_RULE, "write `->`"),
+        ("A -> F : 0.3", code::FOREIGN_RULE, "->(0.3)"),
+        ("A ->(30%) F ->(70%) A", code::FOREIGN_RULE, "0.3"),
+        ("X(a, b) : a > 0 ? 1 : 2 -> F", code::FOREIGN_OPERATOR, "if(a > 0, 1, 2)"),
+        ("A -> *", code::FOREIGN_RULE, "write `eps`"),
+        ("A : * -> B", code::FOREIGN_RULE, "no `:`"),
+        ("A -> B /* B */", code::BLOCK_COMMENT, "//"),
+        ("A --> B", code::WRONG_ARROW, "write `->`"),
+        ("A => B", code::WRONG_ARROW, "write `->`"),
+        ("A -> CFC", code::UNDECLARED_SYMBOL, "write `C F C`"),
+        ("A -> Dab", code::UNDECLARED_SYMBOL, "module Dab"),
+        ("A ->", code::EMPTY_WORD, "write `eps`"),
+        ("A -> [ ]", code::EMPTY_WORD, "write `eps`"),
+        ("A : 1 < 2 < 3 -> B", code::CHAINED_COMPARISON, "1 < 2 && 2 < 3"),
+        ("A : true | true -> B", code::FOREIGN_OPERATOR, "||"),
+        ("A : true & true -> B", code::FOREIGN_OPERATOR, "&&"),
+        ("A : true and true -> B", code::FOREIGN_OPERATOR, "&&"),
+        ("A : 1 = 1 -> B", code::FOREIGN_OPERATOR, "=="),
+        ("A : 2^2 > 1 -> B", code::FOREIGN_OPERATOR, "pow"),
+        ("A : 2**2 > 1 -> B", code::FOREIGN_OPERATOR, "pow"),
+        ("X(a, b + 1) -> B", code::BAD_PATTERN, "condition"),
+        ("A : true let x = 1 -> B", code::UNEXPECTED, "before the condition"),
+        ("eps -> B", code::MISPLACED_EPS, "replaced"),
+        ("# A -> B", code::NO_PREDECESSOR, "# <"),
+        ("A -> B #", code::UNEXPECTED, "contexts"),
+        ("modul A", code::UNKNOWN_WORD, "did you mean `module`?"),
+        ("derive 3", code::UNKNOWN_WORD, "run:"),
+    ] {
+        refused(&curve(&format!("  {rule}")), code, hint);
+    }
+    refused("system s : curve\nmodule Apex\naxiom: F\nrules:\n  Apx -> F", code::UNDECLARED_SYMBOL, "`Apex`");
+    refused(&mesh("  A -> A B(1)"), code::UNEXPECTED, "slot");
+    refused(&patch("  P -> [ P Q ]"), code::NOT_A_BLOCK, "[ P | Q ]");
+    refused(&patch("  P -> [ P P Q ; P ]"), code::RAGGED_BLOCK, "eps");
+    refused(&patch("  P -> [ P P Q ; P P Q ]"), code::BLOCK_SIZE, "cells");
+    refused("const x = .5", code::BAD_NUMBER, "0.5");
+    refused("const x = 3y", code::BAD_NUMBER, "3*y");
+    refused("const x = 3 − 2", code::UNKNOWN_CHARACTER, "write `-`");
+    refused("burgeon 2\nconst x = 3", code::VERSION, "burgeon 1");
+}
+
+#[test]
+fn a_ragged_block_names_its_rows_at_its_bracket() {
+    let text = patch("  P -> [ P P Q ; P ]");
+    let error = errors(&text).remove(0);
+    assert_eq!(error.message, "rows have 3 and 1 cells");
+    assert_eq!(&text[error.span.range()], "[");
+}
+
+#[test]
+fn an_unclosed_bracket_is_reported_at_its_opening_and_swallows_nothing() {
+    for (text, bracket) in [
+        (curve("  A -> [ B C\n  B -> C\n  B -> Z"), "["),
+        (curve("  X(a, b -> B\n  B -> Z"), "("),
+        (curve("  A -> X((1, 2)\n  B -> Z"), "("),
+        (mesh("  A -> t { top: A\n  A -> Z@1"), "{"),
+        ("system s : curve\nmodule P(v: vec2)\naxiom: P((0, 0) P((1, 0))\nrules:\n  P -> Z".into(), "("),
+        (patch("  P -> [ R(1 ; P ]\n  P -> Z"), "("),
+    ] {
+        let errors = errors(&text);
+        assert_eq!(errors.len(), 2, "{}", shown(&errors, &text));
+        assert_eq!(errors[0].code, code::UNCLOSED_BRACKET);
+        assert_eq!(&text[errors[0].span.range()], bracket);
+        assert!(errors[1].message.contains('Z'));
+    }
+}
+
+#[test]
+fn several_errors_of_one_file() {
+    let text = "param = 3\nsystem s : curve rong\nmodule A\nfoo\naxiom: A Q\nrules:\n  A => B\n  A -> ]\n  A : 1 ? 2 : 3 -> A\nrun:\n  derive\n  repeat 2 {\n    derive 1 2\n    derive 3\n    stop\n  }\n  mark A\n";
+    let codes = codes(text);
+    let expected = [
+        code::UNEXPECTED,
+        code::UNKNOWN_WORD,
+        code::UNKNOWN_WORD,
+        code::UNDECLARED_SYMBOL,
+        code::WRONG_ARROW,
+        code::UNDECLARED_SYMBOL,
+        code::EMPTY_WORD,
+        code::STRAY_BRACKET,
+        code::FOREIGN_OPERATOR,
+        code::UNEXPECTED,
+        code::UNEXPECTED,
+        code::UNKNOWN_WORD,
+        code::UNEXPECTED,
+    ];
+    assert_eq!(codes, expected, "{}", shown(&errors(text), text));
+}
+
+#[test]
+fn refused_files_have_the_code_of_their_first_line() {
+    let mut count = 0;
+    for (path, text) in files("refused") {
+        let code = text.strip_prefix("// ").and_then(|t| t.get(..5)).unwrap();
+        // The codes above these are the checker's.
+        if code.starts_with("E00") || code.starts_with("E01") {
+            let found = codes(&text);
+            assert!(found.contains(&code), "{}: {found:?}", path.display());
+            assert_eq!(found.len(), 1, "{}: {}", path.display(), shown(&errors(&text), &text));
+            count += 1;
+        }
+    }
+    assert!(count > 40);
+}
+
+#[test]
+fn bytes_that_are_not_utf8_are_placed() {
+    assert_eq!(decode("ε".as_bytes()).unwrap(), "ε");
+    let bytes = b"const x = 1\nconst \xff = 2\n";
+    let error = decode(bytes).unwrap_err();
+    assert_eq!((error.code, error.span.start), (code::INVALID_UTF8, 18));
+    let shown = render(&[error], "a.burgeon", &String::from_utf8_lossy(bytes), false);
+    assert!(shown.contains("a.burgeon:2:7"), "{shown}");
+}
+
+#[test]
+fn names_are_suggested_only_if_near() {
+    assert_eq!(nearest("lenght", ["length", "level"]), Some("length"));
+    assert_eq!(nearest("p", ["P", "Q"]), Some("P"));
+    assert_eq!(nearest("A", ["B", "C"]), None);
+    assert_eq!(nearest("centroid", ["normal"]), None);
+}
+
+// What is shown.
+
+#[test]
+fn a_rendered_error_has_all_its_parts() {
+    let text = curve("  A -> B\n  A -> [ B\n  B -> C");
+    let shown = shown(&errors(&text), &text);
+    for part in [
+        "error[E0102]: `[` is never closed",
+        "test.burgeon:6:8",
+        "6 |   A -> [ B",
+        "^",
+        "test.burgeon:7:5",
+        "help: write `]`",
+    ] {
+        assert!(shown.contains(part), "{part:?} is not in\n{shown}");
+    }
+    let warning = Diagnostic::warning("W0300", Span::new(0, 6), "look").label(Span::new(7, 8), "here");
+    assert_eq!(warning.severity, Severity::Warning);
+    let shown = render(&[warning], "a", &text, false);
+    assert!(shown.contains("warning[W0300]: look") && shown.contains("- here"), "{shown}");
+    assert!(render(&errors("const"), "a", "const", true).contains("\u{1b}["));
+}
+
+#[test]
+fn long_lines_are_cut_around_the_caret() {
+    let text = curve(&format!("  A -> {}Q {}", "A ".repeat(1000), "α ".repeat(0) + &"B ".repeat(1000)));
+    let shown = shown(&errors(&text), &text);
+    assert!(shown.contains("test.burgeon:5:2008"), "{shown}");
+    let lines: Vec<&str> = shown.lines().collect();
+    assert!(lines.iter().all(|l| l.chars().count() <= 120), "{shown}");
+    let caret = lines.iter().position(|l| l.contains('^')).unwrap();
+    let column = lines[caret].chars().position(|c| c == '^').unwrap();
+    assert_eq!(lines[caret - 1].chars().nth(column), Some('Q'), "{shown}");
+}
+
+#[test]
+fn any_span_can_be_rendered() {
+    let text = "α\tβ\r\n\u{202e}x\n";
+    for start in 0..text.len() + 3 {
+        for end in 0..text.len() + 3 {
+            let diagnostic =
+                Diagnostic::error("E0101", Span::new(start, end), "a\nb").label(Span::new(end, start), "l");
+            assert!(render(&[diagnostic], "a", text, false).contains("error[E0101]"));
+        }
+    }
+    assert!(render(&errors(""), "a", "", false).is_empty());
+}
+
+// What must not break it.
+
+/// Runs it and sees to it that it takes no more than a few seconds, even unoptimized.
+fn quickly(what: &str, text: &str) -> Vec<&'static str> {
+    let start = Instant::now();
+    let codes = codes(text);
+    assert!(start.elapsed() < Duration::from_secs(20), "{what}: {:?}", start.elapsed());
+    assert!(codes.len() <= MAX_ERRORS + 1, "{what}");
+    codes
+}
+
+#[test]
+fn large_and_deep_files_take_little_time() {
+    const MEGA: usize = 1 << 20;
+    let deep = 100_000;
+    let system = "system s : curve\nmodule A\naxiom: A\nrules:\n  A -> ";
+    for (what, text, code) in [
+        ("spaces", " ".repeat(10 * MEGA), None),
+        ("one name", format!("const x = {}", "x".repeat(10 * MEGA)), None),
+        ("one number", format!("const x = {}", "9".repeat(10 * MEGA)), None),
+        ("a sum", format!("const x = {}1", "1+".repeat(5 * MEGA)), Some(code::TOO_DEEP)),
+        ("fields", format!("const x = a{}", ".x".repeat(5 * MEGA)), Some(code::TOO_DEEP)),
+        ("signs", format!("const x = {}1", "-".repeat(10 * MEGA)), Some(code::TOO_DEEP)),
+        ("open", format!("const x = {}", "(".repeat(10 * MEGA)), Some(code::UNCLOSED_BRACKET)),
+        ("close", ")".repeat(10 * MEGA), Some(code::STRAY_BRACKET)),
+        ("mixed", "([{".repeat(3 * MEGA), Some(code::UNCLOSED_BRACKET)),
+        ("crossed", "([)]".repeat(2 * MEGA), Some(code::UNCLOSED_BRACKET)),
+        ("comments", "/*".repeat(5 * MEGA), Some(code::BLOCK_COMMENT)),
+        ("comment lines", "/*\n".repeat(3 * MEGA), Some(code::BLOCK_COMMENT)),
+        ("quotes", "\"\n".repeat(5 * MEGA), Some(code::UNCLOSED_STRING)),
+        ("arrows", "-> ".repeat(3 * MEGA), Some(code::UNKNOWN_WORD)),
+        ("nested", format!("const x = {}1{}", "(".repeat(deep), ")".repeat(deep)), Some(code::TOO_DEEP)),
+        ("lists", format!("const x = {}1{}", "[".repeat(deep), "]".repeat(deep)), Some(code::TOO_DEEP)),
+        ("calls", format!("const x = {}1{}", "f(".repeat(deep), ")".repeat(deep)), Some(code::TOO_DEEP)),
+        ("branches", format!("{system}{}A{}", "[ ".repeat(deep), "]".repeat(deep)), Some(code::TOO_DEEP)),
+        ("a word", format!("{system}{}", "A ".repeat(MEGA)), None),
+        ("unknown symbols", format!("{system}{}", "Q ".repeat(5 * MEGA)), Some(code::UNDECLARED_SYMBOL)),
+        ("labels", format!("{system}A\n{}", "p: ".repeat(3 * MEGA)), Some(code::UNDECLARED_SYMBOL)),
+        ("open at arrows", format!("{system}{}", "( -> [ ->".repeat(MEGA)), Some(code::UNCLOSED_BRACKET)),
+        ("systems", "system s : curve\n".repeat(MEGA / 4), None),
+        ("conditional", format!("const x = {}", "1 ? ".repeat(MEGA)), Some(code::FOREIGN_OPERATOR)),
+    ] {
+        let codes = quickly(what, &text);
+        match code {
+            Some(code) => assert!(codes.contains(&code) || codes.len() > MAX_ERRORS, "{what}: {codes:?}"),
+            None => assert!(codes.is_empty(), "{what}: {codes:?}"),
+        }
+    }
+}
+
+#[test]
+fn errors_end_after_some() {
+    let text = format!("system s : curve\naxiom: F\nrules:\n{}", "  F => F\n".repeat(100_000));
+    let codes = quickly("errors", &text);
+    assert_eq!(codes.len(), MAX_ERRORS + 1);
+    assert_eq!(codes.last(), Some(&code::TOO_MANY_ERRORS));
+}
+
+#[test]
+fn the_number_of_rules_is_bounded() {
+    let text = |n: usize| curve(&"  A -> B\n".repeat(n));
+    assert_eq!(rules(&text(MAX_RULES)).len(), MAX_RULES);
+    assert_eq!(codes(&text(100_000)), [code::TOO_MANY_RULES]);
+}
+
+/// Expressions as the parser can make them.
+fn expressions() -> impl Strategy<Value = Expr> {
+    let span = Span::default();
+    let name = |text: &str| Name { text: text.into(), span };
+    let expr = move |kind| Expr { kind, span };
+    let leaf = prop_oneof![
+        prop::sample::select(vec!["0", "1.", "2.5", "1e-3"])
+            .prop_map(move |n| expr(ExprKind::Number(Number { text: n.into(), span }))),
+        prop::sample::select(vec!["a", "_", "until", "F"]).prop_map(move |n| expr(ExprKind::Name(n.into()))),
+        any::<bool>().prop_map(move |b| expr(ExprKind::Bool(b))),
+    ];
+    leaf.prop_recursive(6, 60, 3, move |inner| {
+        let ops = prop::sample::select(vec![
+            BinaryOp::Or,
+            BinaryOp::And,
+            BinaryOp::Equal,
+            BinaryOp::Less,
+            BinaryOp::GreaterEqual,
+            BinaryOp::Add,
+            BinaryOp::Sub,
+            BinaryOp::Mul,
+            BinaryOp::Div,
+            BinaryOp::Rem,
+        ]);
+        let boxed = || inner.clone().prop_map(Box::new);
+        prop_oneof![
+            4 => (ops, boxed(), boxed()).prop_map(move |(op, a, b)| expr(ExprKind::Binary(op, a, b))),
+            2 => (any::<bool>(), boxed()).prop_map(move |(neg, a)| {
+                expr(ExprKind::Unary(if neg { UnaryOp::Neg } else { UnaryOp::Not }, a))
+            }),
+            1 => boxed().prop_map(move |a| expr(ExprKind::Field(a, name("x")))),
+            1 => (boxed(), boxed()).prop_map(move |(a, b)| expr(ExprKind::Index(a, b))),
+            1 => prop::collection::vec(inner.clone(), 0..3)
+                .prop_map(move |args| expr(ExprKind::Call(name("f"), args))),
+            1 => prop::collection::vec(inner.clone(), 2..4).prop_map(move |v| expr(ExprKind::Vector(v))),
+            1 => prop::collection::vec(inner.clone(), 1..3).prop_map(move |v| expr(ExprKind::List(v))),
+        ]
+    })
+}
+
+/// A file in which some words have been left out, doubled or replaced by others of the same file.
+fn mutated() -> impl Strategy<Value = String> {
+    let texts: Vec<Vec<String>> = files("language").iter().map(|(_, text)| split(text)).collect();
+    (prop::sample::select(texts), prop::collection::vec((any::<u32>(), any::<u32>(), 0..4), 1..4)).prop_map(
+        |(mut words, changes)| {
+            for (at, from, how) in changes {
+                let (at, from) = (at as usize % words.len(), from as usize % words.len());
+                match how {
+                    0 => _ = words.remove(at),
+                    1 => words.insert(at, words[from].clone()),
+                    2 => words[at] = words[from].clone(),
+                    _ => words.swap(at, from),
+                }
+            }
+            words.concat()
+        },
+    )
+}
+
+/// Words, spaces and signs.
+fn split(text: &str) -> Vec<String> {
+    let mut words: Vec<String> = Vec::new();
+    for c in text.chars() {
+        match words.last_mut() {
+            Some(word) if c.is_alphanumeric() && word.ends_with(char::is_alphanumeric) => word.push(c),
+            _ => words.push(c.into()),
+        }
+    }
+    words
+}
+
+fn token() -> impl Strategy<Value = &'static str> {
+    prop::sample::select(vec![
+        "system", "module", "const", "param", "query", "template", "axiom", "rules", "place", "run", "eps",
+        "let", "at", "on", "file", "with", "curve", "patch", "mesh", "bezier", "derive", "repeat", "if", "A",
+        "B", "F", "x", "1", "2.5", "\"t\"", "(", ")", "[", "]", "{", "}", "+", "-", "*", "/", "%", "^", "&",
+        "|", "!", "\\", "<", ">", "<=", "==", "=", "->", ",", ";", ":", ".", "..", "@", "?", "#", "\n", "\n",
+        "ε", "é", "$",
+    ])
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(400) })]
+
+    #[test]
+    fn expressions_round_trip(value in expressions()) {
+        let constant = Const {
+            name: Name { text: "x".into(), span: Span::default() },
+            ty: None,
+            value,
+            span: Span::default(),
+        };
+        let file = RuleFile { version: None, items: vec![FileItem::Const(constant)] };
+        let printed = print(&file);
+        prop_assert_eq!(parsed(&printed), file, "{}", printed);
+    }
+
+    #[test]
+    fn mutated_files_round_trip(text in mutated()) {
+        errors(&text);
+        round_trip(&text);
+    }
+
+    #[test]
+    fn token_soup_is_harmless(tokens in prop::collection::vec(token(), 0..200)) {
+        let soup = tokens.join(" ");
+        errors(&soup);
+        errors(&tokens.concat());
+        round_trip(&soup);
+        let inside = format!("system s : curve\nmodule A, B\naxiom: A\nrules:\n{soup}");
+        errors(&inside);
+        round_trip(&inside);
+    }
+
+    #[test]
+    fn short_soup_round_trips(tokens in prop::collection::vec(token(), 0..8), kind in 0..3) {
+        let soup = tokens.join(" ");
+        let text = [curve(&format!("A -> {soup}")), patch(&format!("P -> {soup}")), mesh(&format!("A -> {soup}"))];
+        round_trip(&text[kind as usize]);
+        round_trip(&format!("system s : curve\nmodule A, B\naxiom: {soup}"));
+    }
+
+    #[test]
+    fn bytes_are_harmless(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
+        match decode(&bytes) {
+            Ok(text) => _ = errors(text),
+            Err(error) => _ = shown(&[error], &String::from_utf8_lossy(&bytes)),
+        }
+        errors(&String::from_utf8_lossy(&bytes));
+    }
+
+    #[test]
+    fn text_is_harmless(text in any::<String>()) {
+        errors(&text);
     }
 }

@@ -1,6 +1,10 @@
 //! Errors and warnings about a rule file, each with a stable code, a place and a hint.
 
 use super::syntax::Span;
+use annotate_snippets::{
+    Annotation, AnnotationKind, Group, Level, Origin, Renderer, Snippet, normalize_untrusted_str,
+};
+use std::ops::Range;
 
 /// The codes of the lexer (`E00..`) and of the parser (`E01..`).
 ///
@@ -159,4 +163,152 @@ fn distance(a: &str, b: &str) -> usize {
         rows.push(row);
     }
     rows[a.len()][b.len()]
+}
+
+/// The most columns of a line that are shown.
+const SHOWN: usize = 110;
+/// The most columns that are shown before the caret.
+const SHOWN_BEFORE: usize = 60;
+
+/// The findings as text for a terminal: of each its place, its line with a caret below, the other
+/// places that matter, and the hint. `file` is the name to show; `text` is what was parsed (of a file
+/// that is not UTF-8, its lossy decoding).
+pub fn render(diagnostics: &[Diagnostic], file: &str, text: &str, color: bool) -> String {
+    let renderer = if color { Renderer::styled().hyperlink(false) } else { Renderer::plain() };
+    let renderer = renderer.term_width(2 * SHOWN);
+    let source = Source::new(file, text);
+    let mut out = String::new();
+    for diagnostic in diagnostics {
+        out += &renderer.render(&[source.group(diagnostic)]);
+        out += "\n\n";
+    }
+    out
+}
+
+/// A text whose lines have been found.
+struct Source<'a> {
+    file: &'a str,
+    text: &'a str,
+    /// Where each line starts.
+    lines: Vec<usize>,
+}
+
+/// A part of a line.
+struct Window {
+    line: usize,
+    /// The bytes of the text that are shown.
+    shown: Range<usize>,
+    cut_before: bool,
+    cut_behind: bool,
+}
+
+impl<'a> Source<'a> {
+    fn new(file: &'a str, text: &'a str) -> Source<'a> {
+        let lines = std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect();
+        Source { file, text, lines }
+    }
+
+    fn group(&self, diagnostic: &'a Diagnostic) -> Group<'a> {
+        let level = match diagnostic.severity {
+            Severity::Error => Level::ERROR,
+            Severity::Warning => Level::WARNING,
+        };
+        let span = self.clamp(diagnostic.span);
+        let window = self.window(&span);
+        let mut marks = vec![self.mark(AnnotationKind::Primary, &span, &window)];
+        let mut elsewhere = Vec::new();
+        for (place, label) in &diagnostic.labels {
+            let place = self.clamp(*place);
+            if window.shown.contains(&place.start) {
+                marks.push(self.mark(AnnotationKind::Context, &place, &window).label(label.as_str()));
+            } else {
+                elsewhere.push((place, label));
+            }
+        }
+        let title = level.primary_title(diagnostic.message.as_str()).id(diagnostic.code);
+        let mut group = self.show(Group::with_title(title), &span, &window, marks);
+        for (place, label) in elsewhere {
+            let window = self.window(&place);
+            let mark = self.mark(AnnotationKind::Context, &place, &window).label(label.as_str());
+            group = self.show(group, &place, &window, vec![mark]);
+        }
+        match &diagnostic.hint {
+            Some(hint) => group.element(Level::HELP.message(normalize_untrusted_str(hint))),
+            None => group,
+        }
+    }
+
+    /// The bytes of a span, inside the text, at whole characters and in one line.
+    fn clamp(&self, span: Span) -> Range<usize> {
+        let start = self.text.floor_char_boundary(span.start as usize);
+        let end = self.text.floor_char_boundary(span.end as usize).max(start);
+        start..end.min(self.line_end(self.line_of(start))).max(start)
+    }
+
+    fn line_of(&self, at: usize) -> usize {
+        self.lines.partition_point(|start| *start <= at) - 1
+    }
+
+    fn line_end(&self, line: usize) -> usize {
+        let end = self.lines.get(line + 1).map_or(self.text.len(), |next| next - 1);
+        let line = &self.text[self.lines[line]..end];
+        end - usize::from(line.ends_with('\r'))
+    }
+
+    /// Adds a line with its place above and its marks below.
+    fn show(
+        &self,
+        group: Group<'a>,
+        place: &Range<usize>,
+        window: &Window,
+        marks: Vec<Annotation<'a>>,
+    ) -> Group<'a> {
+        let snippet = self.snippet(window).annotations(marks);
+        if !window.cut_before {
+            return group.element(snippet.path(self.file));
+        }
+        // The snippet would count columns from the cut.
+        let column = self.text[self.lines[window.line]..place.start].chars().count() + 1;
+        group.element(Origin::path(self.file).line(window.line + 1).char_column(column)).element(snippet)
+    }
+
+    /// What is shown of the line of `place`.
+    fn window(&self, place: &Range<usize>) -> Window {
+        let line = self.line_of(place.start);
+        let (first, last) = (self.lines[line], self.line_end(line).max(place.start));
+        let before = self.text[first..place.start].chars().rev();
+        let (before, columns) = fitting(before, SHOWN_BEFORE);
+        let (behind, _) = fitting(self.text[place.start..last].chars(), SHOWN - columns);
+        let shown = place.start - before..place.start + behind;
+        Window { line, cut_before: shown.start > first, cut_behind: shown.end < last, shown }
+    }
+
+    fn snippet(&self, window: &Window) -> Snippet<'a, Annotation<'a>> {
+        let (before, behind) =
+            (if window.cut_before { "…" } else { "" }, if window.cut_behind { "…" } else { "" });
+        // Of one byte each, so that the marks stay where they are.
+        let shown = self.text[window.shown.clone()].replace(|c: char| c.is_ascii_control(), " ");
+        Snippet::source(format!("{before}{shown}{behind}")).line_start(window.line + 1)
+    }
+
+    fn mark(&self, kind: AnnotationKind, place: &Range<usize>, window: &Window) -> Annotation<'a> {
+        let shift = if window.cut_before { "…".len() } else { 0 };
+        let at = |byte: usize| byte.min(window.shown.end) - window.shown.start + shift;
+        kind.span(at(place.start)..at(place.end))
+    }
+}
+
+/// The bytes and columns of as many characters as fit into `columns`. What is not ASCII may be two
+/// columns wide.
+fn fitting(chars: impl Iterator<Item = char>, columns: usize) -> (usize, usize) {
+    let (mut bytes, mut used) = (0, 0);
+    for c in chars {
+        let width = if c.is_ascii() { 1 } else { 2 };
+        if used + width > columns {
+            break;
+        }
+        bytes += c.len_utf8();
+        used += width;
+    }
+    (bytes, used)
 }

@@ -267,7 +267,10 @@ impl Lexer<'_> {
             self.skip_while(|c| is_name_char(c) || is_foreign_letter(c));
             let (number, name) = (excerpt(&self.text[start..digits]), excerpt(&self.text[digits..self.at]));
             let message = format!("`{number}{name}` is neither a number nor a name");
-            let hint = format!("write `{number}*{name}` or `{number} {name}`");
+            let hint = match name.chars().next() {
+                Some('x' | 'X' | 'b') if number == "0" => "write the number in decimal".to_owned(),
+                _ => format!("write `{number}*{name}`"),
+            };
             self.error(code::BAD_NUMBER, start, message, &hint);
         }
         self.tokens.push(Token { kind: TokenKind::Number, span: Span::new(start, digits) });

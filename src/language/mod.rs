@@ -14,5 +14,6 @@ pub mod system;
 pub use diagnostic::{Diagnostic, Severity};
 pub use expr::{Expr, Type, Value};
 pub use parse::{Parsed, decode, parse};
+pub use print::print;
 pub use syntax::Span;
 pub use system::System;

@@ -192,6 +192,11 @@ impl Parser<'_> {
         self.grow(ExprKind::List(parts), self.span_from(start), below)
     }
 
+    /// A list constant and nothing behind it.
+    pub(super) fn list_expr(&mut self) -> Parse<Expr> {
+        Ok(self.nested(Self::list_constant)?.expr)
+    }
+
     /// The arguments of a module, template or shape, if an opening bracket stands here.
     pub(super) fn optional_args(&mut self) -> Parse<Option<Vec<Expr>>> {
         if !self.take_open(Bracket::Round) {

@@ -1,5 +1,6 @@
 //! The declarations of a system.
 
+use super::system::ITEMS;
 use super::{Parse, Parser, TokenKind};
 use crate::language::diagnostic::{Diagnostic, code, nearest};
 use crate::language::lex::{Bracket, Keyword};
@@ -8,14 +9,9 @@ use crate::language::syntax::{
     Query, Source, SourceKind, Span, Start, Template, TemplateBody, TemplateLine, TemplateLineKind, Volume,
 };
 
-const ITEMS: [&str; 12] = [
-    "system", "module", "const", "param", "query", "volume", "ignore", "template", "axiom", "rules", "place",
-    "run",
-];
-
 impl Parser<'_> {
     pub(super) fn item(&mut self) -> Parse<Item> {
-        let TokenKind::Keyword(keyword) = self.peek() else { return self.unknown_item(&ITEMS) };
+        let TokenKind::Keyword(keyword) = self.peek() else { return self.unknown_item() };
         match keyword {
             Keyword::Const => self.constant().map(Item::Const),
             Keyword::Param => self.param().map(Item::Param),
@@ -28,7 +24,7 @@ impl Parser<'_> {
             Keyword::Rules => self.rules().map(Item::Rules),
             Keyword::Place => self.place().map(Item::Place),
             Keyword::Run => self.run().map(Item::Run),
-            _ => self.unknown_item(&ITEMS),
+            _ => self.unknown_item(),
         }
     }
 
@@ -322,13 +318,13 @@ impl Parser<'_> {
         }
     }
 
-    /// A list of points, not a branch.
+    /// A list of points, not a branch: it has commas, or begins with a numeral or round bracket.
     fn begins_list(&self) -> bool {
-        if self.token().commas {
-            return true;
-        }
         let mut at = self.at;
         while self.token_at(at).kind == TokenKind::Open(Bracket::Square) {
+            if self.token_at(at).commas {
+                return true;
+            }
             at += 1;
         }
         matches!(self.token_at(at).kind, TokenKind::Number | TokenKind::Open(Bracket::Round))
@@ -355,7 +351,7 @@ impl Parser<'_> {
         let start = self.token().span;
         let kind = match self.peek() {
             TokenKind::Keyword(Keyword::File) => self.file_source()?,
-            TokenKind::Open(Bracket::Square) => SourceKind::List(self.expr()?),
+            TokenKind::Open(Bracket::Square) => SourceKind::List(self.list_expr()?),
             TokenKind::Name => {
                 let name = self.name("a source")?;
                 SourceKind::Named(name, self.optional_args()?)

@@ -219,6 +219,18 @@ impl<'t> Parser<'t> {
         self.expect(TokenKind::Close(bracket), &format!("`{}`", bracket.close()))
     }
 
+    /// The `:` of a section. Without it the section is read nevertheless: its lines would make no
+    /// sense elsewhere.
+    fn section_colon(&mut self) -> Parse<()> {
+        if self.peek() == TokenKind::Newline {
+            let error = self.unexpected("`:`");
+            self.report(error);
+            return Ok(());
+        }
+        self.expect(TokenKind::Colon, "`:`")?;
+        Ok(())
+    }
+
     fn expect_word(&mut self, word: &str) -> Parse<()> {
         if self.take_word(word) {
             return Ok(());

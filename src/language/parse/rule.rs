@@ -1,6 +1,7 @@
 //! Rules: labels, predecessors with their contexts, conditions, alternatives.
 
 use super::symbols::is_operator_symbol;
+use super::system::ITEMS;
 use super::{MAX_RULES, Parse, Parser, TokenKind};
 use crate::language::diagnostic::{Diagnostic, code, nearest};
 use crate::language::lex::{Bracket, Keyword, excerpt};
@@ -14,10 +15,10 @@ impl Parser<'_> {
     pub(super) fn rules(&mut self) -> Parse<Rules> {
         let start = self.bump().span;
         let group = match self.peek() {
-            TokenKind::Colon => None,
+            TokenKind::Colon | TokenKind::Newline => None,
             _ => Some(self.name("the group's name, or `:`")?),
         };
-        self.expect(TokenKind::Colon, "`:`")?;
+        self.section_colon()?;
         let mut rules = Vec::new();
         loop {
             self.skip_newlines();
@@ -413,10 +414,6 @@ impl Parser<'_> {
 
     /// A line among the rules that was meant as something else.
     fn no_rule(&mut self) -> Parse<()> {
-        const ITEMS: [&str; 12] = [
-            "system", "module", "const", "param", "query", "volume", "ignore", "template", "axiom", "rules",
-            "place", "run",
-        ];
         let token = self.token();
         let named = token.kind == TokenKind::Name && !self.is_symbol(token);
         if !named || self.statement_holds(self.at, TokenKind::Less) || self.has_arrow() {

@@ -17,7 +17,7 @@ impl Parser<'_> {
     /// `run:` and its steps.
     pub(super) fn run(&mut self) -> Parse<Run> {
         let start = self.bump().span;
-        self.expect(TokenKind::Colon, "`:`")?;
+        self.section_colon()?;
         let steps = self.steps();
         Ok(Run { steps, span: self.span_from(start) })
     }

@@ -130,11 +130,18 @@ impl<'t> Parser<'t> {
         if matches!(text, "if" | "when" | "where") {
             return "write the condition behind `:`, before `->`".into();
         }
+        if self.peek_at(1) == TokenKind::Colon && self.begins_line() {
+            return "declare it, or, if it is a label, let a predecessor of declared modules follow".into();
+        }
         let turtle = TURTLE_NAMES.iter().filter(|_| self.symbols.turtle);
         match nearest(text, self.symbols.declared.iter().chain(turtle).copied()) {
             Some(name) => format!("did you mean `{name}`?"),
             None => format!("declare it: `module {}`", excerpt(text)),
         }
+    }
+
+    fn begins_line(&self) -> bool {
+        self.at.checked_sub(1).is_some_and(|before| self.tokens[before].kind == TokenKind::Newline)
     }
 
     /// `C F C` for `CFC`, if each letter is a symbol.

@@ -4,9 +4,14 @@ use super::{Parse, Parser, TokenKind};
 use crate::language::diagnostic::{Diagnostic, code, nearest};
 use crate::language::lex::{Keyword, excerpt};
 use crate::language::syntax::{
-    Attribute, AttributeKind, FileItem, Item, Kind, Number, RuleFile, Span, System,
+    Attribute, AttributeKind, FileItem, Item, Kind, Name, Number, RuleFile, Span, System,
 };
 
+/// The words that declarations begin with.
+pub(super) const ITEMS: [&str; 12] = [
+    "system", "module", "const", "param", "query", "volume", "ignore", "template", "axiom", "rules", "place",
+    "run",
+];
 const KINDS: [&str; 3] = ["curve", "patch", "mesh"];
 const ATTRIBUTES: [&str; 6] = ["ring", "open", "tree", "bezier", "rational", "join"];
 
@@ -56,17 +61,17 @@ impl Parser<'_> {
                     .hint("begin a system before it, such as `system name : curve`");
                 self.stop(error)
             }
-            _ => self.unknown_item(&["system", "const", "param"]),
+            _ => self.unknown_item(),
         }
     }
 
     fn system(&mut self) -> Option<System> {
         let start = self.token().span;
-        let header = self.statement(Self::header);
-        let Some((name, kind, kind_span, attributes)) = header else {
+        let Some((name, kind, kind_span)) = self.header() else {
             self.skip_system();
             return None;
         };
+        let attributes = self.statement(Self::attributes).unwrap_or_default();
         let (items, span) = self.items(start);
         Some(System { name, kind, kind_span, attributes, items, span })
     }
@@ -78,23 +83,32 @@ impl Parser<'_> {
         }
     }
 
-    fn header(&mut self) -> Parse<(crate::language::syntax::Name, Kind, Span, Vec<Attribute>)> {
+    /// `system NAME: kind`.
+    fn header(&mut self) -> Option<(Name, Kind, Span)> {
         self.bump();
         let name_token = self.token();
-        let name = self.name("the system's name")?;
+        let (name, kind_span) = self.header_name().ok()?;
+        let kind = self.kind().ok()?;
         self.systems.insert(self.text_of(name_token));
-        self.expect(TokenKind::Colon, "`:` and the kind of the system: `curve`, `patch` or `mesh`")?;
-        let kind_span = self.token().span;
-        let kind = self.kind()?;
         self.kind = kind;
         self.rule_count = 0;
         self.collect_symbols();
+        Some((name, kind, kind_span))
+    }
+
+    fn header_name(&mut self) -> Parse<(Name, Span)> {
+        let name = self.name("the system's name")?;
+        self.expect(TokenKind::Colon, "`:` and the kind of the system: `curve`, `patch` or `mesh`")?;
+        Ok((name, self.token().span))
+    }
+
+    fn attributes(&mut self) -> Parse<Vec<Attribute>> {
         let mut attributes = Vec::new();
         while !self.at_end_of_statement() {
             attributes.push(self.attribute()?);
         }
         self.end_of_statement()?;
-        Ok((name, kind, kind_span, attributes))
+        Ok(attributes)
     }
 
     /// A kind that is slightly misspelt is taken for what was meant, so that the rest can be read.
@@ -205,22 +219,22 @@ impl Parser<'_> {
         self.report(error);
     }
 
-    pub(super) fn unknown_item<T>(&mut self, items: &[&'static str]) -> Parse<T> {
+    pub(super) fn unknown_item<T>(&mut self) -> Parse<T> {
         let token = self.token();
         if token.kind != TokenKind::Name {
             let error = self.unexpected("a declaration");
             return self.stop(error);
         }
         let text = self.text_of(token);
-        let (code, hint) = match nearest(text, items.iter().copied()) {
+        let (code, hint) = match nearest(text, ITEMS) {
             Some(item) => (code::UNKNOWN_WORD, format!("did you mean `{item}`?")),
             None if text == "burgeon" => (code::VERSION, "`burgeon 1` is the first line of a file".into()),
             None if super::run::is_step(text) => (code::UNKNOWN_WORD, "steps stand under `run:`".into()),
             None if self.is_symbol(token) => (code::UNKNOWN_WORD, "rules stand under `rules:`".into()),
-            None => {
-                let items: Vec<String> = items.iter().map(|i| format!("`{i}`")).collect();
-                (code::UNKNOWN_WORD, format!("declarations begin with {}", items.join(", ")))
-            }
+            None => (
+                code::UNKNOWN_WORD,
+                format!("declarations begin with {}", ITEMS.map(|i| format!("`{i}`")).join(", ")),
+            ),
         };
         let message = format!("`{}` begins no declaration", excerpt(text));
         let error = Diagnostic::error(code, token.span, message).hint(hint);
