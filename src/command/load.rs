@@ -5,7 +5,7 @@ use burgeon::io::bpt;
 use burgeon::language::check::{Checked, compile};
 use burgeon::language::system::{Axiom, Kind, PatchSource, System};
 use burgeon::language::vocabulary::Vocabulary;
-use burgeon::language::{Diagnostic, Severity, diagnostic, parse};
+use burgeon::language::{Diagnostic, Severity, diagnostic, lex};
 use burgeon::patch;
 use burgeon::plan::{Plan, Unsupported};
 use std::path::{Path, PathBuf};
@@ -23,7 +23,7 @@ impl Source {
         let bytes =
             std::fs::read(path).map_err(|e| Failure::File(format!("cannot read {}: {e}", path.display())))?;
         let name = path.display().to_string();
-        let text = match parse::decode(&bytes) {
+        let text = match lex::decode(&bytes) {
             Ok(text) => text.to_string(),
             Err(d) => {
                 let lossy = String::from_utf8_lossy(&bytes);
@@ -159,9 +159,11 @@ fn excerpt(line: &str, column: usize) -> String {
     format!("  | {shown}\n  | {}^", " ".repeat(at - start))
 }
 
-/// Half of the machine's memory.
+/// Half of the machine's memory; 4 GiB where the system does not say.
 pub fn half_of_memory() -> u64 {
-    let mut system = sysinfo::System::new();
-    system.refresh_memory();
-    (system.total_memory() / 2).max(1 << 28)
+    let total = sysinfo::System::new().map(|mut system| {
+        system.refresh_memory();
+        system.total_memory()
+    });
+    total.map_or(4 << 30, |bytes| (bytes / 2).max(1 << 28))
 }

@@ -95,8 +95,8 @@ fn picture(path: &Path, mesh: &Mesh, flags: &flags::Run, device: Option<&Device>
         }
     };
     let up = match flags.up {
-        flags::Up::Y => render::Axis::Y,
-        flags::Up::Z => render::Axis::Z,
+        flags::Up::Y => render::Up::Y,
+        flags::Up::Z => render::Up::Z,
     };
     let options = Picture { up, ..Picture::default() };
     let image = render::render(&device.device, &device.queue, mesh, &options)
