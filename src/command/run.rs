@@ -86,19 +86,20 @@ fn derive(flags: &flags::Run, job: &Job, options: &Options) -> Result<Derived, F
 #[cfg(feature = "gpu")]
 fn device(flags: &flags::Run) -> Result<Option<Device>, Failure> {
     use burgeon::gpu::Requirement;
+    if flags.backend == flags::Backend::Cpu {
+        return Ok(None);
+    }
     let requirement = flags.derive.adapter.as_deref().map_or(Requirement::Any, Requirement::Named);
-    match (flags.backend, Device::new(requirement)) {
-        (flags::Backend::Cpu, _) => Ok(None),
-        (flags::Backend::Gpu, Ok(device)) => Ok(Some(device)),
-        (flags::Backend::Gpu, Err(e)) => Err(Failure::Device(format!("error: {e}"))),
-        (flags::Backend::Auto, Ok(device)) => {
-            say(&format!("on {} ({:?})", device.info.name, device.info.backend));
+    let asked_for = flags.backend == flags::Backend::Gpu || flags.derive.adapter.is_some();
+    match Device::new(requirement) {
+        Ok(device) => {
+            if flags.backend == flags::Backend::Auto {
+                say(&format!("on {} ({:?})", device.info.name, device.info.backend));
+            }
             Ok(Some(device))
         }
-        (flags::Backend::Auto, Err(e)) if flags.derive.adapter.is_some() => {
-            Err(Failure::Device(format!("error: {e}")))
-        }
-        (flags::Backend::Auto, Err(e)) => {
+        Err(e) if asked_for => Err(Failure::Device(format!("error: {e}"))),
+        Err(e) => {
             say(&format!("on the CPU: {e}"));
             Ok(None)
         }

@@ -69,6 +69,11 @@ struct Columns {
     retired_sums: Pooled,
 }
 
+/// A column, or as much of it as there is: where the growth is closed nobody reads it.
+fn bound_column(column: &Pooled, bytes: u64) -> Binding<'_> {
+    Binding::new(&column.buffer, bytes.min(column.buffer.size()))
+}
+
 /// What the first submission says.
 struct Totals {
     status: Status,
@@ -267,8 +272,8 @@ impl<'a> Gpu<'a> {
                     Binding::new(&kernels.environment, kernels.environment.size()),
                     Binding::new(chunk.records(), records(chunk)),
                     Binding::new(chunk.nets(), nets(chunk)),
-                    Binding::new(&columns.rules.buffer, n * 4),
-                    Binding::new(&columns.offsets.buffer, n * 4 + 4),
+                    bound_column(&columns.rules, n * 4),
+                    bound_column(&columns.offsets, n * 4 + 4),
                     Binding::new(next.records(), records(next)),
                     Binding::new(next.nets(), nets(next)),
                     status,

@@ -22,9 +22,15 @@ pub enum Requirement<'a> {
 
 /// All adapters that can run the engine, the preferred first: hardware before software, and the
 /// backends in the order Vulkan, Metal, DX12, GL.
+/// wgpu's environment variables (`WGPU_BACKEND` and the like) are honoured.
 pub fn adapters() -> Vec<wgpu::Adapter> {
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-    let backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::all());
+    adapters_in(wgpu::InstanceDescriptor::new_without_display_handle_from_env())
+}
+
+/// The same, in an instance of the caller's choice.
+pub fn adapters_in(descriptor: wgpu::InstanceDescriptor) -> Vec<wgpu::Adapter> {
+    let backends = descriptor.backends;
+    let instance = wgpu::Instance::new(descriptor);
     let mut list = pollster::block_on(instance.enumerate_adapters(backends));
     list.retain(|a| wgpu::Limits::defaults().check_limits(&a.limits()));
     list.sort_by_key(|a| {

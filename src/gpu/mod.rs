@@ -10,7 +10,7 @@ mod kernels;
 mod scans;
 
 pub use backend::{Gpu, GpuChunk, derive};
-pub use headless::{Headless, Requirement, adapters};
+pub use headless::{Headless, Requirement, adapters, adapters_in};
 pub use scans::{Bandwidth, Measure, ScanBuffers, Scans};
 
 use crate::codegen::{self, Tuning};
