@@ -10,10 +10,12 @@ pub mod print;
 pub mod rational;
 pub mod syntax;
 pub mod system;
+pub mod vocabulary;
 
+pub use check::{Checked, check, compile};
 pub use diagnostic::{Diagnostic, Severity};
 pub use expr::{Expr, Type, Value};
 pub use parse::{Parsed, decode, parse};
-pub use print::print;
 pub use syntax::Span;
 pub use system::System;
+pub use vocabulary::Vocabulary;

@@ -1,0 +1,327 @@
+//! Axioms. Those of patch systems are resolved in full, the others only checked.
+
+use super::scope::{Scope, Where};
+use super::typing::as_literal;
+use super::{Checker, code};
+use crate::language::diagnostic::Diagnostic;
+use crate::language::expr::{Expr, Type, Value};
+use crate::language::syntax::{self, AxiomKind, Element, Item, ModuleUse, Source, SourceKind, Span, Start};
+use crate::language::system::{Axiom, Kind, PatchSource, PatchStart, Topology};
+
+impl<'a> Checker<'a> {
+    pub(super) fn axiom(&mut self) -> Axiom {
+        let written = self.system.items.iter().find_map(|item| match item {
+            Item::Axiom(axiom) => Some(axiom),
+            _ => None,
+        });
+        let Some(axiom) = written else { return Axiom::None };
+        match self.kind {
+            Kind::Patch { degree, rational } => return self.patch_axiom(axiom, degree, rational),
+            Kind::Curve(_) => self.curve_axiom(axiom),
+            Kind::Mesh => self.mesh_axiom(axiom),
+        }
+        Axiom::Other
+    }
+
+    fn mesh_axiom(&mut self, axiom: &'a syntax::Axiom) {
+        match &axiom.kind {
+            AxiomKind::Meshes(meshes) => meshes.iter().for_each(|m| self.mesh_start(m)),
+            _ => {
+                let message = "a mesh system starts from meshes";
+                let error = Diagnostic::error(code::AXIOM, axiom.span, message);
+                self.report(error.hint("as in `axiom: box(1, 1, 1) { top: A }`"));
+            }
+        }
+    }
+
+    // Curves.
+
+    fn curve_axiom(&mut self, axiom: &'a syntax::Axiom) {
+        match &axiom.kind {
+            AxiomKind::Word(word) => match self.system_word(word) {
+                Some(used) => _ = self.earlier_system(&used.symbol.text, used.span, syntax::Kind::Curve),
+                None => {
+                    let mut scope = Scope::new(Where::Axiom);
+                    self.word(&mut scope, word, &mut Vec::new());
+                }
+            },
+            AxiomKind::Source(source) => {
+                let points = self.curve_source(source);
+                if !matches!(source.kind, SourceKind::Named(..)) {
+                    self.unnamed_points(source, points);
+                }
+            }
+            AxiomKind::Starts(starts) => starts.iter().for_each(|s| self.curve_start(s)),
+            AxiomKind::Meshes(_) => {
+                let message = "a curve system starts from a word or from points";
+                self.report(Diagnostic::error(code::AXIOM, axiom.span, message));
+            }
+        }
+    }
+
+    /// A lone name that is no module but an earlier system.
+    fn system_word(&self, word: &'a [Element]) -> Option<&'a ModuleUse> {
+        let [Element::Module(used)] = word else { return None };
+        let name = used.symbol.text.as_str();
+        let is_system = !self.symbol_ids.contains_key(name) && self.earlier.iter().any(|e| e.name == name);
+        is_system.then_some(used)
+    }
+
+    /// `P(_, false) = file "c.csv"`.
+    fn curve_start(&mut self, start: &'a Start) {
+        let points = self.curve_source(&start.source);
+        let used = &start.module;
+        let Some(symbol) = self.symbol(&used.symbol).filter(|s| !self.broken_symbols.contains(s)) else {
+            return;
+        };
+        let is_point = |e: &syntax::Expr| matches!(&e.kind, syntax::ExprKind::Name(name) if name == "_");
+        let args = used.args.as_deref().unwrap_or_default();
+        let fields = self.symbols[symbol].fields.clone();
+        let mut scope = Scope::new(Where::Axiom);
+        if args.len() != fields.len() || !args.iter().any(is_point) {
+            if args.len() != fields.len() {
+                self.module_use(&mut scope, used);
+            } else {
+                let message = "`_` must stand where the point read goes";
+                let error = Diagnostic::error(code::AXIOM, used.span, message);
+                self.report(error.hint(format!("as in `{}(_) = file \"c.obj\"`", used.symbol.text)));
+            }
+            return;
+        }
+        for (arg, field) in args.iter().zip(&fields) {
+            if !is_point(arg) {
+                let why = || format!("`{}` is {}", field.name, super::typing::article(&field.ty));
+                self.expr(&mut scope, arg, &field.ty, why);
+            } else if !matches!(field.ty, Type::Vec2 | Type::Vec3 | Type::Vec4) {
+                let message = format!("a point is a vector, and `{}` is {}", field.name, field.ty);
+                self.report(Diagnostic::error(code::TYPE, arg.span, message));
+            } else if let Some(points) = points.as_ref().filter(|p| **p != field.ty) {
+                let message = format!("the points are {points}, and `{}` is {}", field.name, field.ty);
+                self.report(Diagnostic::error(code::TYPE, start.source.span, message));
+            }
+        }
+    }
+
+    /// Points without a module: they become the one module that holds a vector and nothing else.
+    fn unnamed_points(&mut self, source: &'a Source, points: Option<Type>) {
+        let vector = |ty: &Type| matches!(ty, Type::Vec2 | Type::Vec3 | Type::Vec4);
+        let fitting: Vec<_> = self
+            .symbols
+            .iter()
+            .filter(|s| matches!(s.fields.as_slice(), [field] if vector(&field.ty)))
+            .collect();
+        match fitting.as_slice() {
+            [only] => {
+                let (name, field) = (only.name.clone(), only.fields[0].ty.clone());
+                if let Some(points) = points.filter(|p| *p != field) {
+                    let message = format!("the points are {points}, and `{name}` takes {field}");
+                    self.report(Diagnostic::error(code::TYPE, source.span, message));
+                }
+            }
+            [] => {
+                let message = "no module holds a point and nothing else";
+                let error = Diagnostic::error(code::AXIOM, source.span, message);
+                self.report(
+                    error
+                        .hint("say what a point becomes: `P(_, …) = file \"c.obj\"`, with `_` for the point"),
+                );
+            }
+            [a, b, ..] => {
+                let message = format!("the points may become `{}` or `{}`", a.name, b.name);
+                let hint = format!("say which: `{}(_) = …`", a.name);
+                self.report(Diagnostic::error(code::AXIOM, source.span, message).hint(hint));
+            }
+        }
+    }
+
+    /// Checks the source of a curve; the type of its points, if they are written out.
+    fn curve_source(&mut self, source: &'a Source) -> Option<Type> {
+        if let Some(shift) = &source.shift {
+            if self.kind != Kind::Curve(Topology::Ring) {
+                let message = "only a ring can be shifted";
+                let error = Diagnostic::error(code::AXIOM, shift.span, message);
+                self.report(error.hint(format!("write `system {} : curve ring`", self.system.name.text)));
+            }
+            let mut scope = Scope::new(Where::Axiom);
+            self.expr(&mut scope, shift, &Type::Int, || "a shift is a number of points, an int".into());
+        }
+        match &source.kind {
+            SourceKind::File(_, index) => {
+                self.file_index(index.as_ref());
+                None
+            }
+            SourceKind::List(list) => {
+                let mut scope = Scope::new(Where::Axiom);
+                let list = self.free(&mut scope, list)?;
+                match &list.ty {
+                    Type::List(element, _) if matches!(**element, Type::Vec2 | Type::Vec3 | Type::Vec4) => {
+                        Some((**element).clone())
+                    }
+                    ty => {
+                        let message =
+                            format!("a curve is a list of points, not {}", super::typing::article(ty));
+                        self.report(Diagnostic::error(code::AXIOM, list.span, message));
+                        None
+                    }
+                }
+            }
+            SourceKind::Named(name, args) => {
+                self.no_arguments(args.as_deref(), source.span);
+                self.earlier_system(&name.text, name.span, syntax::Kind::Curve);
+                None
+            }
+        }
+    }
+
+    fn no_arguments(&mut self, args: Option<&[syntax::Expr]>, span: Span) {
+        if args.is_some() {
+            let message = "an earlier system takes no arguments";
+            self.report(Diagnostic::error(code::FUNCTION_ARITY, span, message));
+        }
+    }
+
+    fn file_index(&mut self, index: Option<&syntax::Number>) -> Option<u32> {
+        let index = index?;
+        let value = index.text.parse().ok();
+        if value.is_none() {
+            let message = format!("{} is no index into a file", index.text);
+            self.report(Diagnostic::error(code::NUMBER, index.span, message));
+        }
+        value
+    }
+
+    // Patches.
+
+    fn patch_axiom(&mut self, axiom: &'a syntax::Axiom, degree: [u8; 2], rational: bool) -> Axiom {
+        let name = self.symbols.first().map_or("P", |s| s.name.as_str()).to_string();
+        let starts = match &axiom.kind {
+            AxiomKind::Starts(starts) => starts,
+            // The final word of an earlier system, with its own symbols.
+            AxiomKind::Source(source) if matches!(source.kind, SourceKind::Named(..)) => {
+                if let SourceKind::Named(name, _) = &source.kind {
+                    self.earlier_system(&name.text, name.span, syntax::Kind::Patch);
+                }
+                return Axiom::Other;
+            }
+            AxiomKind::Word(word) => {
+                if let Some(used) = self.system_word(word) {
+                    self.earlier_system(&used.symbol.text, used.span, syntax::Kind::Patch);
+                    return Axiom::Other;
+                }
+                self.no_nets(axiom.span, "the modules of a patch system need nets", &name);
+                return Axiom::Other;
+            }
+            AxiomKind::Source(_) | AxiomKind::Meshes(_) => {
+                self.no_nets(axiom.span, "the nets of a patch system need a symbol", &name);
+                return Axiom::Other;
+            }
+        };
+        let lowered = starts.iter().filter_map(|s| self.patch_start(s, degree, rational)).collect();
+        Axiom::Patches(lowered)
+    }
+
+    fn no_nets(&mut self, span: Span, message: &str, symbol: &str) {
+        let error = Diagnostic::error(code::AXIOM, span, message);
+        self.report(error.hint(format!("write `axiom: {symbol} = file \"nets.bpt\"`")));
+    }
+
+    fn patch_start(&mut self, start: &'a Start, degree: [u8; 2], rational: bool) -> Option<PatchStart> {
+        let mut scope = Scope::new(Where::Axiom);
+        let module = self.module_use(&mut scope, &start.module);
+        let source = self.patch_source(&start.source, degree, rational);
+        let (module, source) = (module?, source?);
+        let span = start.module.span.to(start.source.span);
+        Some(PatchStart { symbol: module.symbol, args: module.args, source, span })
+    }
+
+    fn patch_source(&mut self, source: &'a Source, degree: [u8; 2], rational: bool) -> Option<PatchSource> {
+        if let Some(shift) = &source.shift {
+            let message = "`shift` turns the ring of a curve system";
+            self.report(Diagnostic::error(code::AXIOM, shift.span, message));
+        }
+        let span = source.span;
+        match &source.kind {
+            SourceKind::File(path, index) => {
+                let index = self.file_index(index.as_ref());
+                Some(PatchSource::File { path: path.text.clone(), index, span: path.span })
+            }
+            SourceKind::List(list) => {
+                let mut scope = Scope::new(Where::Axiom);
+                let list = self.free(&mut scope, list)?;
+                let points = self.net(&list, degree, rational)?;
+                Some(PatchSource::Inline { points, span })
+            }
+            SourceKind::Named(name, args) => {
+                self.no_arguments(args.as_deref(), span);
+                self.earlier_system(&name.text, name.span, syntax::Kind::Patch)?;
+                Some(PatchSource::System { name: name.text.clone(), span: name.span })
+            }
+        }
+    }
+
+    /// A net written out: a list of rows of points.
+    fn net(&mut self, list: &Expr, degree: [u8; 2], rational: bool) -> Option<Vec<[f32; 4]>> {
+        let (rows, columns) = (degree[0] as usize + 1, degree[1] as usize + 1);
+        let message = match (as_literal(list), &list.ty) {
+            (Some(Value::List(written)), Type::List(row, n)) => match &**row {
+                Type::List(point, m) if matches!(**point, Type::Vec3 | Type::Vec4) => {
+                    if (*n, *m) == (rows, columns) {
+                        return self.points(&written, rational, list.span);
+                    }
+                    format!(
+                        "a net of degree {} by {} has {rows} rows of {columns} points, not {n} of {m}",
+                        degree[0], degree[1]
+                    )
+                }
+                _ => "a net is a list of rows, each a list of points, vec3 or vec4".into(),
+            },
+            _ => "a net is a list of rows, each a list of points, vec3 or vec4".into(),
+        };
+        let error = Diagnostic::error(code::AXIOM, list.span, message);
+        self.report(error.hint("as in `[[(0,0,0), (1,0,0)], [(0,1,0), (1,1,0)]]` for `bezier 1`"));
+        None
+    }
+
+    fn points(&mut self, rows: &[Value], rational: bool, span: Span) -> Option<Vec<[f32; 4]>> {
+        let mut points = Vec::new();
+        for row in rows {
+            let Value::List(row) = row else { return None };
+            for point in row {
+                points.push(match point {
+                    Value::Vec3([x, y, z]) => [*x, *y, *z, 1.0],
+                    Value::Vec4(point) => *point,
+                    _ => return None,
+                });
+            }
+        }
+        if let Some(point) = points.iter().find(|p| p[3] == 0.0 || p[3] != 1.0 && !rational) {
+            let message = if point[3] == 0.0 {
+                "a weight cannot be 0".to_string()
+            } else {
+                format!("the weight {} needs a rational system", point[3])
+            };
+            let error = Diagnostic::error(code::AXIOM, span, message);
+            self.report(error.hint("the fourth coordinate is the weight; write `patch bezier … rational`"));
+            return None;
+        }
+        Some(points)
+    }
+
+    /// The number of modules of an axiom that is written out, for contexts that wrap around it.
+    pub(super) fn axiom_length(&self) -> Option<usize> {
+        let axiom = self.system.items.iter().find_map(|item| match item {
+            Item::Axiom(axiom) => Some(axiom),
+            _ => None,
+        })?;
+        match &axiom.kind {
+            AxiomKind::Word(word) if self.system_word(word).is_none() => {
+                Some(word.iter().filter(|e| matches!(e, Element::Module(_))).count())
+            }
+            AxiomKind::Source(Source { kind: SourceKind::List(list), .. }) => match &list.kind {
+                syntax::ExprKind::List(points) => Some(points.len()),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,278 @@
+//! From the syntax tree to checked systems: names resolved, expressions typed, constants folded.
+//!
+//! Everything that can be known without a file or a device is checked here. A mistake is reported
+//! once: what depends on a broken thing is left alone rather than reported again.
+
+mod affine;
+mod axiom;
+pub mod code;
+mod comments;
+mod constants;
+mod declare;
+mod mesh;
+mod names;
+mod patch;
+mod rules;
+mod run;
+mod scope;
+mod successor;
+mod suggest;
+mod templates;
+mod typing;
+mod unreached;
+
+use super::diagnostic::{Diagnostic, Severity};
+use super::syntax::{self, Span};
+use super::system::{Axiom, Group, Kind, Query, Step, Symbol, SymbolId, System, Uniform};
+use super::vocabulary::Vocabulary;
+use super::{Value, parse};
+use names::Names;
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+use templates::Template;
+
+/// What [`check`] found.
+#[derive(Clone, Debug, Default)]
+pub struct Checked {
+    /// The systems without errors, in the order of the file.
+    pub systems: Vec<System>,
+    /// Errors and warnings, in the order of the text.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+impl Checked {
+    /// Whether anything is wrong: a system with an error is not among [`Checked::systems`].
+    pub fn has_errors(&self) -> bool {
+        self.diagnostics.iter().any(|d| d.severity == Severity::Error)
+    }
+}
+
+/// Parses and checks a rule file.
+pub fn compile(text: &str, vocabulary: &Vocabulary) -> Checked {
+    let parsed = parse::parse(text);
+    let mut checked = check(&parsed.file, vocabulary);
+    let broken = parsed.diagnostics.iter().any(|d| d.severity == Severity::Error);
+    if broken {
+        // A statement that could not be read may have declared what is missing now.
+        checked.systems.clear();
+        checked.diagnostics.retain(|d| !may_follow_from_unread(d));
+    } else {
+        checked.diagnostics.extend(comments::suspicious(text, &parsed.file));
+    }
+    checked.diagnostics.extend(parsed.diagnostics);
+    sort(&mut checked.diagnostics);
+    checked
+}
+
+/// Whether a finding may owe itself to a statement that the parser had to leave out.
+fn may_follow_from_unread(finding: &Diagnostic) -> bool {
+    let unknown = code::UNKNOWN_MODULE..=code::NOT_HERE;
+    let absence = [code::AXIOM, code::DEGREE, code::RUN_ORDER, code::TEMPLATE_BASE, code::TRACE];
+    finding.severity == Severity::Warning
+        || unknown.contains(&finding.code)
+        || absence.contains(&finding.code)
+}
+
+/// Checks a syntax tree.
+pub fn check(file: &syntax::RuleFile, vocabulary: &Vocabulary) -> Checked {
+    let nothing = empty_system();
+    let mut checked = Checked::default();
+    let mut shared = Vec::new();
+    let mut earlier: Vec<Earlier> = Vec::new();
+    let mut used = HashSet::new();
+    for item in &file.items {
+        match item {
+            syntax::FileItem::Const(c) => shared.push(names::Declaration::of_const(c, false)),
+            syntax::FileItem::Param(p) => shared.push(names::Declaration::of_param(p, false)),
+            syntax::FileItem::System(system) => {
+                let mut checker = Checker::new(vocabulary, &shared, earlier, system);
+                checker.system_name();
+                checked.systems.extend(checker.check());
+                used.extend(checker.names.used_shared());
+                checked.diagnostics.append(&mut checker.findings);
+                let outline = checker.outline();
+                earlier = checker.earlier;
+                earlier.push(outline);
+            }
+        }
+    }
+    // Shared constants that no system reads are checked here, and the others found broken before.
+    let mut checker = Checker::new(vocabulary, &shared, Vec::new(), &nothing);
+    checker.constants();
+    let between = checker.names.used_shared();
+    checked.diagnostics.append(&mut checker.findings);
+    if !checked.has_errors() {
+        used.extend(between);
+        checked.diagnostics.extend(names::unused(&shared, |d| used.contains(d.name.text.as_str())));
+    }
+    sort(&mut checked.diagnostics);
+    checked
+}
+
+/// In the order of the text; each finding once, though shared constants are read by each system.
+fn sort(findings: &mut Vec<Diagnostic>) {
+    let key = |d: &Diagnostic| (d.span.start, d.span.end, d.code, d.message.clone());
+    findings.sort_by_cached_key(key);
+    findings.dedup_by(|a, b| key(a) == key(b));
+}
+
+fn empty_system() -> syntax::System {
+    let name = syntax::Name { text: String::new(), span: Span::default() };
+    let (kind, span) = (syntax::Kind::Curve, Span::default());
+    syntax::System { name, kind, kind_span: span, attributes: Vec::new(), items: Vec::new(), span }
+}
+
+/// What later systems may know of a system.
+#[derive(Clone, Debug)]
+struct Earlier {
+    name: String,
+    span: Span,
+    kind: syntax::Kind,
+    symbols: Vec<Symbol>,
+    /// The module that its turtle writes.
+    traced: Option<SymbolId>,
+}
+
+/// The state of checking one system.
+struct Checker<'a> {
+    vocabulary: &'a Vocabulary,
+    system: &'a syntax::System,
+    kind: Kind,
+    earlier: Vec<Earlier>,
+    findings: Vec<Diagnostic>,
+    symbols: Vec<Symbol>,
+    symbol_ids: HashMap<&'a str, SymbolId>,
+    /// Symbols with a field of no type: what is said of them is not checked.
+    broken_symbols: HashSet<SymbolId>,
+    names: Names<'a>,
+    uniforms: Vec<Uniform>,
+    /// A value for each uniform: its default.
+    defaults: Vec<Value>,
+    queries: Vec<Query>,
+    query_ids: HashMap<&'a str, Option<usize>>,
+    templates: HashMap<&'a str, Template<'a>>,
+    places: HashMap<&'a str, Span>,
+    volumes: HashMap<&'a str, Span>,
+    /// Group names with their index and place.
+    group_ids: HashMap<&'a str, (usize, Span)>,
+    /// How many components the tags of a symbol have, and where that was first seen.
+    tags: HashMap<SymbolId, (usize, Span)>,
+    traced: Option<SymbolId>,
+    corners: mesh::Corners,
+    /// Nesting of the expression that is being typed.
+    depth: usize,
+}
+
+impl<'a> Checker<'a> {
+    fn new(
+        vocabulary: &'a Vocabulary,
+        shared: &[names::Declaration<'a>],
+        earlier: Vec<Earlier>,
+        system: &'a syntax::System,
+    ) -> Checker<'a> {
+        let mut checker = Checker {
+            vocabulary,
+            system,
+            kind: Kind::Mesh,
+            earlier,
+            findings: Vec::new(),
+            symbols: Vec::new(),
+            symbol_ids: HashMap::new(),
+            broken_symbols: HashSet::new(),
+            names: Names::default(),
+            uniforms: Vec::new(),
+            defaults: Vec::new(),
+            queries: Vec::new(),
+            query_ids: HashMap::new(),
+            templates: HashMap::new(),
+            places: HashMap::new(),
+            volumes: HashMap::new(),
+            group_ids: HashMap::new(),
+            tags: HashMap::new(),
+            traced: None,
+            corners: mesh::Corners::default(),
+            depth: 0,
+        };
+        checker.declare_names(shared);
+        checker
+    }
+
+    /// All checks, from the outside in. `None` if the system has errors.
+    fn check(&mut self) -> Option<System> {
+        self.kind = self.system_kind();
+        self.items();
+        self.modules();
+        self.constants();
+        self.declare_queries();
+        self.query_values();
+        self.declare_templates();
+        self.declare_places();
+        self.ignored();
+        self.declare_groups();
+        let axiom = self.axiom();
+        let groups = self.groups();
+        self.place_values();
+        let run = self.run();
+        if self.errors() > 0 {
+            return None;
+        }
+        self.base_sizes();
+        self.unused();
+        (self.errors() == 0).then(|| self.lowered(axiom, groups, run))
+    }
+
+    fn lowered(&self, axiom: Axiom, groups: Vec<Group>, run: Vec<Step>) -> System {
+        System {
+            name: self.system.name.text.clone(),
+            kind: self.kind,
+            symbols: self.symbols.clone(),
+            uniforms: self.uniforms.clone(),
+            queries: self.queries.clone(),
+            axiom,
+            groups,
+            run,
+            source: Arc::new(self.system.clone()),
+        }
+    }
+
+    fn outline(&self) -> Earlier {
+        Earlier {
+            name: self.system.name.text.clone(),
+            span: self.system.name.span,
+            kind: self.system.kind,
+            symbols: self.symbols.clone(),
+            traced: self.traced,
+        }
+    }
+
+    fn system_name(&mut self) {
+        let name = &self.system.name;
+        if let Some(first) = self.earlier.iter().find(|e| e.name == name.text) {
+            let span = first.span;
+            self.duplicate("systems", &name.text, name.span, span);
+        }
+    }
+
+    fn report(&mut self, finding: Diagnostic) {
+        self.findings.push(finding);
+    }
+
+    fn errors(&self) -> usize {
+        self.findings.iter().filter(|d| d.severity == Severity::Error).count()
+    }
+
+    /// Two things of one name where only one may be.
+    fn duplicate(&mut self, what: &str, name: &str, span: Span, first: Span) {
+        let message = if name.is_empty() { format!("two {what}") } else { format!("two {what} `{name}`") };
+        let error = Diagnostic::error(code::DUPLICATE, span, message);
+        self.report(error.label(first, "the first is here"));
+    }
+
+    fn unused(&mut self) {
+        if self.findings.iter().any(|d| d.severity == Severity::Error) {
+            return;
+        }
+        let findings = self.names.unused_own();
+        self.findings.extend(findings);
+    }
+}
