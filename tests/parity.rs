@@ -94,7 +94,7 @@ const KEPT: [u64; 0] = [];
 #[test]
 fn oracle_and_cpu_agree_after_every_step_of_random_systems() {
     for seed in SEEDS.chain(KEPT) {
-        let case = oracle::case(seed);
+        let case = oracle::derived_case(seed);
         let words = case.derive();
         let job = Job::new(&case.text, &case.nets, settings(&case));
         let tolerance = Tolerance::Lattice { bits: case.bits, c: 4.0 };
@@ -114,7 +114,7 @@ fn oracle_and_cpu_agree_after_every_step_of_random_systems() {
 fn cpu_gives_the_same_bytes_however_it_is_cut_and_shared_out() {
     // K17
     for seed in SEEDS.step_by(5) {
-        let case = oracle::case(seed);
+        let case = oracle::derived_case(seed);
         let job = Job::new(&case.text, &case.nets, settings(&case));
         let steps = case.steps.map(|s| s as u32);
         let whole = job.word(&mut job.cpu(1), steps, None);
@@ -132,7 +132,7 @@ fn cpu_gives_the_same_bytes_however_it_is_cut_and_shared_out() {
 fn gpu_and_cpu_agree_after_every_pass_of_random_systems() {
     for (name, engine) in device::engines() {
         for seed in GPU_SEEDS.chain(KEPT) {
-            let case = oracle::case(seed);
+            let case = oracle::derived_case(seed);
             let job = Job::new(&case.text, &case.nets, settings(&case));
             let chunk = [None, Some(64), Some(7), Some(1)][seed as usize % 4];
             let chunk = chunk.filter(|c| *c > 1 || case.derive().iter().all(|w| w.modules.len() < 60));
@@ -161,7 +161,7 @@ fn papers_on(word: &dyn Fn(&Job, u32) -> Word) {
         }
     };
     let backend = papers::Backend { derive: &derive, tolerance: 1e-6 };
-    for check in papers::CHECKS_DERIVED {
+    for check in papers::DERIVED {
         check(&backend);
     }
 }

@@ -533,7 +533,7 @@ fn the_number_of_rules_is_bounded() {
 /// Expressions as the parser can make them.
 fn expressions() -> impl Strategy<Value = Expr> {
     let span = Span::default();
-    let name = |text: &str| Name { text: text.into(), span };
+    let name = move |text: &str| Name { text: text.into(), span };
     let expr = move |kind| Expr { kind, span };
     let leaf = prop_oneof![
         prop::sample::select(vec!["0", "1.", "2.5", "1e-3"])

@@ -248,9 +248,9 @@ pub static TABLE: &[Row] = table! {
         "-" (a: Float) -> Float, "(-{0})", -a, "Negation.";
         "*" (a: Int, b: Int) -> Int, "({0} * {1})", a.wrapping_mul(b), "Product; wraps.";
         "*" (a: Float, b: Float) -> Float, "({0} * {1})", a * b, "Product.";
-        "/" (a: Int, b: Int) -> Int, "({0} / {1})", int_div(a, b), "Quotient towards zero; x / 0 = x.";
+        "/" (a: Int, b: Int) -> Int, "int_div({0}, {1})", int_div(a, b), "Quotient towards zero; x / 0 = x.";
         "/" (a: Float, b: Float) -> Float, "({0} / {1})", a / b, "Quotient.";
-        "%" (a: Int, b: Int) -> Int, "({0} % {1})", int_rem(a, b), "Remainder, with the sign of the first; x % 0 = 0.";
+        "%" (a: Int, b: Int) -> Int, "int_rem({0}, {1})", int_rem(a, b), "Remainder, with the sign of the first; x % 0 = 0.";
         "int" (x: Int) -> Int, "({0})", x, "Itself.";
         "int" (x: Float) -> Int, "i32(clamp({0}, -2147483648.0, 2147483520.0))", float_to_int(x), "Towards zero; clamped to the range of int.";
         "int" (x: Bool) -> Int, "i32({0})", x as i32, "1 or 0.";

@@ -306,11 +306,19 @@ impl Builder<'_> {
                 system::Cell::Eps => None,
                 system::Cell::Module(m) => Some(successor(m, resolve)),
                 system::Cell::Block(inner) => {
+                    let mut inner = map_block(inner, resolve);
                     let name = format!("{}'{}", self.symbols[predecessor].name, self.symbols.len());
-                    let fields = self.symbols[predecessor].fields.clone();
-                    let args = (0..fields.len()).map(|f| field(f, &fields[f].ty, inner.span)).collect();
+                    let mut fields = self.symbols[predecessor].fields.clone();
+                    let mut args: Vec<Expr> =
+                        (0..fields.len()).map(|f| field(f, &fields[f].ty, inner.span)).collect();
+                    // `level` is the predecessor's, not that of the pending module.
+                    if let Some(level) = find_level(&inner) {
+                        let carried = field(fields.len(), &level.ty, level.span);
+                        fields.push(Field { name: "level".to_string(), ty: level.ty.clone() });
+                        args.push(level);
+                        inner = map_block(&inner, &|e| map_expr(e, &|e| is_level(e).then(|| carried.clone())));
+                    }
                     let symbol = self.add_symbol(name, fields, true);
-                    let inner = map_block(inner, resolve);
                     self.pending.push(Pending { symbol, block: inner, label: label.to_string() });
                     Some(Successor { symbol, args })
                 }
@@ -365,6 +373,23 @@ fn map_expr(e: &Expr, replace: &dyn Fn(&Expr) -> Option<Expr>) -> Expr {
         None => ExprKind::Call(*op, args),
     };
     Expr { ty: e.ty.clone(), kind, span: e.span }
+}
+
+fn is_level(e: &Expr) -> bool {
+    matches!(e.kind, ExprKind::Attribute("level"))
+}
+
+/// The attribute `level`, if an expression of the block reads it.
+fn find_level(block: &system::Block) -> Option<Expr> {
+    block.cells.iter().find_map(|cell| match cell {
+        system::Cell::Eps => None,
+        system::Cell::Block(inner) => find_level(inner),
+        system::Cell::Module(m) => {
+            let mut found = None;
+            m.args.iter().for_each(|a| a.walk(&mut |e| found = found.take().or(is_level(e).then(|| e.clone()))));
+            found
+        }
+    })
 }
 
 fn map_block(block: &system::Block, resolve: &dyn Fn(&Expr) -> Expr) -> system::Block {

@@ -12,7 +12,7 @@ use super::word::{Param, Word};
 use super::{Oracle, parse};
 use random::Random;
 use std::fmt;
-use system::Generator;
+use system::{Dialect, Generator};
 
 /// The most modules that a word of a case has.
 const MODULES: usize = 3000;
@@ -60,17 +60,26 @@ impl Case {
     }
 }
 
-/// The case of a seed.
+/// The case of a seed, of all that the oracle knows.
 pub fn case(seed: u64) -> Case {
+    case_in(seed, Dialect::Whole)
+}
+
+/// The case of a seed, of what the engine derives.
+pub fn derived_case(seed: u64) -> Case {
+    case_in(seed, Dialect::Derived)
+}
+
+fn case_in(seed: u64, dialect: Dialect) -> Case {
     let mut random = Random::new(seed);
     // Small words are cheap to come by: most cases are drawn again until they grow.
     let wanted = *random.pick(&[1, 8, 20, 60, 200]);
-    let mut best = draw(seed, random.next());
+    let mut best = draw(seed, random.next(), dialect);
     for _ in 0..12 {
         if best.1 >= wanted {
             break;
         }
-        let other = draw(seed, random.next());
+        let other = draw(seed, random.next(), dialect);
         if other.1 > best.1 {
             best = other;
         }
@@ -79,8 +88,8 @@ pub fn case(seed: u64) -> Case {
 }
 
 /// A case and the most modules that one of its words has.
-fn draw(seed: u64, salt: u64) -> (Case, usize) {
-    let mut generator = Generator::new(salt);
+fn draw(seed: u64, salt: u64, dialect: Dialect) -> (Case, usize) {
+    let mut generator = Generator::new(salt, dialect);
     let system = generator.system();
     let nets = generator.nets();
     let set = generator.overrides();

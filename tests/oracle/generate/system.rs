@@ -20,7 +20,17 @@ struct Slider {
     range: Option<(i32, i32)>,
 }
 
+/// How much of the language a system may use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dialect {
+    /// All that the oracle knows.
+    Whole,
+    /// What this version of the engine derives: bicubic nets, int and bool, no `let`, no lists.
+    Derived,
+}
+
 pub struct Generator {
+    pub dialect: Dialect,
     pub random: Random,
     degree: [usize; 2],
     rational: bool,
@@ -38,13 +48,15 @@ pub struct Generator {
 }
 
 impl Generator {
-    pub fn new(seed: u64) -> Generator {
+    pub fn new(seed: u64, dialect: Dialect) -> Generator {
         let mut random = Random::new(seed);
-        let cubic = random.chance(60);
+        let whole = dialect == Dialect::Whole;
+        let cubic = random.chance(60) || !whole;
         let degree = if cubic { [3, 3] } else { [random.range(1, 8) as usize, random.range(1, 8) as usize] };
         Generator {
+            dialect,
             degree,
-            rational: random.chance(25),
+            rational: random.chance(25) && whole,
             bits: random.range(2, 6) as u32,
             symbols: Vec::new(),
             constants: Scope::default(),
@@ -289,7 +301,7 @@ impl Generator {
         // A statement goes on before `let`, `:` and `->`.
         let gap = if self.random.chance(10) { "\n      " } else { " " };
         let mut text = format!("  {label}{pattern}");
-        if self.random.chance(15) {
+        if self.random.chance(15) && self.dialect == Dialect::Whole {
             let value = self.int(&scope, 2);
             scope.bind("x", Type::Int);
             write!(text, "{gap}let x = {}", value.text).unwrap();
@@ -375,8 +387,12 @@ impl Generator {
         }
     }
 
-    /// A number that is not whole but dyadic: compared with an int it is exact in f32 too.
+    /// A number that is not whole but dyadic: compared with an int it is exact in f32 too. A whole
+    /// one where floats are not derived.
     pub fn fraction(&mut self, scope: &Scope) -> String {
+        if self.dialect == Dialect::Derived {
+            return self.random.range(0, 3).to_string();
+        }
         if !scope.ratios.is_empty() && self.random.chance(60) {
             return self.random.pick(&scope.ratios).clone();
         }
