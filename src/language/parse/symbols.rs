@@ -118,7 +118,8 @@ impl<'t> Parser<'t> {
             self.failed = true;
         } else if self.undeclared.insert(text) {
             let message = format!("no module `{}` is declared", excerpt(text));
-            let hint = self.undeclared_hint(text);
+            // The search for a near name takes time, so it is made only for what is listed.
+            let hint = if self.findings.is_full() { String::new() } else { self.undeclared_hint(text) };
             self.report(Diagnostic::error(code::UNDECLARED_SYMBOL, token.span, message).hint(hint));
         }
     }
