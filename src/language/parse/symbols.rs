@@ -10,6 +10,9 @@ use std::collections::HashSet;
 /// The turtle symbols that are names; the others are operators.
 const TURTLE_NAMES: [&str; 2] = ["F", "f"];
 
+/// Among more symbols than these no near name is looked for.
+const MOST_COMPARED: usize = 1000;
+
 #[derive(Debug, Default)]
 pub(super) struct Symbols<'t> {
     /// From `module` lines.
@@ -133,6 +136,9 @@ impl<'t> Parser<'t> {
         }
         if self.peek_at(1) == TokenKind::Colon && self.begins_line() {
             return "declare it, or, if it is a label, let a predecessor of declared modules follow".into();
+        }
+        if self.symbols.declared.len() > MOST_COMPARED {
+            return format!("declare it: `module {}`", excerpt(text));
         }
         let turtle = TURTLE_NAMES.iter().filter(|_| self.symbols.turtle);
         match nearest(text, self.symbols.declared.iter().chain(turtle).copied()) {
