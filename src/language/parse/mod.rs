@@ -1,6 +1,6 @@
 //! From text to the syntax tree.
 //!
-//! The parser is recursive descent over paired brackets ([`brackets`]). Errors are recovered at
+//! The parser is recursive descent over paired brackets. Errors are recovered at
 //! the end of the statement, so that one run finds several; whatever the text, it ends in time
 //! linear in its length and never nests deeper than [`MAX_DEPTH`].
 //!
