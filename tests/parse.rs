@@ -47,7 +47,7 @@ fn codes(text: &str) -> Vec<&'static str> {
 /// What parses without errors prints to a text that parses to the same tree.
 fn round_trip(text: &str) {
     let first = parse(text);
-    if first.diagnostics.is_empty() {
+    if !first.has_errors() {
         let printed = print(&first.file);
         let again = parsed(&printed);
         assert_eq!(again, first.file, "\n{text}\n----\n{printed}");
@@ -107,7 +107,8 @@ fn examples_parse_and_print() {
 #[test]
 fn a_newline_ends_a_statement_only_outside_of_brackets() {
     let text = curve("  X(a,\n    b)\n    let c = a,\n  d = b\n");
-    assert_eq!(codes(&text).len(), 2, "`d = b` is a line of its own");
+    let wrong = errors(&text);
+    assert!(wrong.iter().any(|d| &text[d.span.range()] == "d"), "`d = b` is a line of its own");
     let rules = rules(&curve(
         "  X(a,\n    b)\n    let c = (a\n + b)\n    : c > 0\n    -> X(c,\n c) [ B\n C ]\n  A -> B",
     ));
@@ -123,7 +124,7 @@ fn a_newline_ends_a_statement_only_outside_of_brackets() {
 #[test]
 fn text_may_have_a_mark_carriage_returns_and_signs() {
     let text = "\u{feff}burgeon 1\r\nsystem s : curve\r\nmodule A(n: int)\r\naxiom: A(1)\r\nrules:\r\n  A(n) : n ≤ 3 && n ≠ 2 → ε // →\r\n";
-    let plain = "burgeon 1\nsystem s : curve\nmodule A(n: int)\naxiom: A(1)\nrules:\n  A(n) : n <= 3 && n != 2 -> eps\n";
+    let plain = "burgeon 1\n\nsystem s : curve\nmodule A(n: int)\naxiom: A(1)\nrules:\n  A(n) : n <= 3 && n != 2 -> eps\n";
     assert_eq!(parsed(text), parsed(plain));
     assert_eq!(print(&parsed(text)), plain);
     assert_eq!(parsed(text).version.unwrap().text, "1");
@@ -336,6 +337,19 @@ fn habits_of_other_systems_get_a_hint() {
 }
 
 #[test]
+fn a_comment_that_reads_as_a_word_gets_a_warning() {
+    for word in ["B //", "B // ", "B // B", "F // +(30) [ A ]\n  B -> C"] {
+        let text = curve(&format!("  A -> {word}"));
+        refused(&text, code::COMMENT_LIKE_WORD, "/ /");
+        assert!(!parse(&text).has_errors());
+    }
+    for word in ["B // two steps", "B\n  //", "B // A becomes B", "B\n  // B"] {
+        parsed(&curve(&format!("  A -> {word}")));
+    }
+    parsed(&mesh("  A -> B(1) // A"));
+}
+
+#[test]
 fn a_ragged_block_names_its_rows_at_its_bracket() {
     let text = patch("  P -> [ P P Q ; P ]");
     let error = errors(&text).remove(0);
@@ -372,7 +386,6 @@ fn several_errors_of_one_file() {
         code::UNDECLARED_SYMBOL,
         code::WRONG_ARROW,
         code::UNDECLARED_SYMBOL,
-        code::EMPTY_WORD,
         code::STRAY_BRACKET,
         code::FOREIGN_OPERATOR,
         code::UNEXPECTED,
@@ -486,25 +499,34 @@ fn large_and_deep_files_take_little_time() {
         ("one name", format!("const x = {}", "x".repeat(10 * MEGA)), None),
         ("one number", format!("const x = {}", "9".repeat(10 * MEGA)), None),
         ("a sum", format!("const x = {}1", "1+".repeat(5 * MEGA)), Some(code::TOO_DEEP)),
-        ("fields", format!("const x = a{}", ".x".repeat(5 * MEGA)), Some(code::TOO_DEEP)),
-        ("signs", format!("const x = {}1", "-".repeat(10 * MEGA)), Some(code::TOO_DEEP)),
-        ("open", format!("const x = {}", "(".repeat(10 * MEGA)), Some(code::UNCLOSED_BRACKET)),
-        ("close", ")".repeat(10 * MEGA), Some(code::STRAY_BRACKET)),
-        ("mixed", "([{".repeat(3 * MEGA), Some(code::UNCLOSED_BRACKET)),
-        ("crossed", "([)]".repeat(2 * MEGA), Some(code::UNCLOSED_BRACKET)),
-        ("comments", "/*".repeat(5 * MEGA), Some(code::BLOCK_COMMENT)),
-        ("comment lines", "/*\n".repeat(3 * MEGA), Some(code::BLOCK_COMMENT)),
-        ("quotes", "\"\n".repeat(5 * MEGA), Some(code::UNCLOSED_STRING)),
-        ("arrows", "-> ".repeat(3 * MEGA), Some(code::UNKNOWN_WORD)),
+        ("fields", format!("const x = a{}", ".x".repeat(MEGA)), Some(code::TOO_DEEP)),
+        ("signs", format!("const x = {}1", "-".repeat(5 * MEGA)), Some(code::TOO_DEEP)),
+        ("open", format!("const x = {}", "(".repeat(2 * MEGA)), Some(code::UNCLOSED_BRACKET)),
+        ("close", ")".repeat(MEGA), Some(code::STRAY_BRACKET)),
+        ("mixed", "([{".repeat(MEGA), Some(code::UNCLOSED_BRACKET)),
+        ("crossed", "([)]".repeat(MEGA), Some(code::UNCLOSED_BRACKET)),
+        ("comments", "/*".repeat(MEGA), Some(code::BLOCK_COMMENT)),
+        ("comment lines", "/*\n".repeat(MEGA), Some(code::BLOCK_COMMENT)),
+        ("quotes", "\"\n".repeat(MEGA), Some(code::UNCLOSED_STRING)),
+        ("arrows", "-> ".repeat(MEGA), Some(code::UNEXPECTED)),
         ("nested", format!("const x = {}1{}", "(".repeat(deep), ")".repeat(deep)), Some(code::TOO_DEEP)),
         ("lists", format!("const x = {}1{}", "[".repeat(deep), "]".repeat(deep)), Some(code::TOO_DEEP)),
         ("calls", format!("const x = {}1{}", "f(".repeat(deep), ")".repeat(deep)), Some(code::TOO_DEEP)),
         ("branches", format!("{system}{}A{}", "[ ".repeat(deep), "]".repeat(deep)), Some(code::TOO_DEEP)),
         ("a word", format!("{system}{}", "A ".repeat(MEGA)), None),
-        ("unknown symbols", format!("{system}{}", "Q ".repeat(5 * MEGA)), Some(code::UNDECLARED_SYMBOL)),
-        ("labels", format!("{system}A\n{}", "p: ".repeat(3 * MEGA)), Some(code::UNDECLARED_SYMBOL)),
+        ("unknown symbols", format!("{system}{}", "Q ".repeat(MEGA)), Some(code::UNDECLARED_SYMBOL)),
+        ("labels", format!("{system}A\n{}", "p: ".repeat(MEGA)), Some(code::UNDECLARED_SYMBOL)),
         ("open at arrows", format!("{system}{}", "( -> [ ->".repeat(MEGA)), Some(code::UNCLOSED_BRACKET)),
         ("systems", "system s : curve\n".repeat(MEGA / 4), None),
+        (
+            "unknown names",
+            format!(
+                "system s : curve\nmodule {}A\naxiom: {}",
+                (0..50_000).map(|i| format!("name{i}, ")).collect::<String>(),
+                (0..50_000).map(|i| format!("mane{i} ")).collect::<String>(),
+            ),
+            Some(code::UNDECLARED_SYMBOL),
+        ),
         ("conditional", format!("const x = {}", "1 ? ".repeat(MEGA)), Some(code::FOREIGN_OPERATOR)),
     ] {
         let codes = quickly(what, &text);
@@ -612,7 +634,7 @@ fn token() -> impl Strategy<Value = &'static str> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(400) })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(300) })]
 
     #[test]
     fn expressions_round_trip(value in expressions()) {

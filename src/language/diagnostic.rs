@@ -6,7 +6,7 @@ use annotate_snippets::{
 };
 use std::ops::Range;
 
-/// The codes of the lexer (`E00..`) and of the parser (`E01..`).
+/// The codes of the lexer (`E00..`) and of the parser (`E01..`, `W01..`).
 ///
 /// A code never changes its meaning; the checker keeps its own (`E02..`, `W03..`).
 pub mod code {
@@ -67,6 +67,9 @@ pub mod code {
     pub const VERSION: &str = "E0120";
     /// More errors than are worth listing.
     pub const TOO_MANY_ERRORS: &str = "E0199";
+
+    /// A comment behind a word that is itself empty or a word: two rolls need a space.
+    pub const COMMENT_LIKE_WORD: &str = "W0101";
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

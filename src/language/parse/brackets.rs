@@ -168,8 +168,9 @@ fn assemble(raw: &[RawToken], text: &str, repairs: &[Repair], strays: &[usize]) 
     let mut assembly = Assembly { tokens: Vec::with_capacity(raw.len()), frames: Vec::new(), suspects: 0 };
     let (mut repairs, mut strays, mut unclosed) =
         (repairs.iter().peekable(), strays.iter().peekable(), unclosed.iter().peekable());
+    // The next token may seem wrong only because of a bracket that was put in or left out.
+    let mut repaired = false;
     for (at, token) in raw.iter().enumerate() {
-        let mut repaired = false;
         while let Some(repair) = repairs.next_if(|r| r.at == at) {
             // At the end of what stands before it.
             let end = assembly.tokens.last().map_or(0, |t| t.span.end as usize).min(text.len());
@@ -177,6 +178,7 @@ fn assemble(raw: &[RawToken], text: &str, repairs: &[Repair], strays: &[usize]) 
             repaired = true;
         }
         if strays.next_if(|s| **s == at).is_some() {
+            repaired = true;
             continue;
         }
         let next = raw.get(at + 1).map_or(TokenKind::End, |t| t.kind);
@@ -185,8 +187,8 @@ fn assemble(raw: &[RawToken], text: &str, repairs: &[Repair], strays: &[usize]) 
         }
         let suspect = unclosed.next_if(|u| **u == at).is_some();
         assembly.add(token.kind, token.span, suspect);
-        if let (true, Some(last)) = (repaired, assembly.tokens.last_mut()) {
-            last.suspect = true;
+        if let Some(last) = assembly.tokens.last_mut() {
+            last.suspect |= std::mem::take(&mut repaired);
         }
     }
     assembly.tokens

@@ -270,6 +270,8 @@ impl Parser<'_> {
     fn foreign_operator(&mut self, before: &Expr) -> Parse<()> {
         let token = self.token();
         let hint = match token.kind {
+            // Without a reader a hint is not worth the trial, which might find the next `?`.
+            TokenKind::Question if self.silent => return Err(super::Stop),
             TokenKind::Question => self.conditional_hint(before),
             TokenKind::And => "write `&&`".to_owned(),
             TokenKind::Bar => "write `||`".to_owned(),

@@ -1,6 +1,6 @@
 //! From text to the syntax tree.
 //!
-//! The parser is recursive descent over paired brackets ([`brackets`]). Errors are recovered at
+//! The parser is recursive descent over paired brackets. Errors are recovered at
 //! the end of the statement, so that one run finds several; whatever the text, it ends in time
 //! linear in its length and never nests deeper than [`MAX_DEPTH`].
 //!
@@ -18,7 +18,7 @@ mod word;
 
 use self::brackets::Token;
 use self::symbols::Symbols;
-use super::diagnostic::{Diagnostic, code};
+use super::diagnostic::{Diagnostic, Severity, code};
 use super::lex::{self, Bracket, Findings, Keyword, TokenKind, excerpt};
 use super::syntax::{Kind, Name, Number, RuleFile, Span, Text};
 use std::collections::HashSet;
@@ -35,8 +35,15 @@ pub const MAX_RULES: usize = 4096;
 pub struct Parsed {
     /// All that could be read; whole only if there are no errors.
     pub file: RuleFile,
-    /// In the order of the text; the parser gives errors only.
+    /// In the order of the text. Mind that some may be warnings.
     pub diagnostics: Vec<Diagnostic>,
+}
+
+impl Parsed {
+    /// Whether something could not be read. If not, the tree is whole.
+    pub fn has_errors(&self) -> bool {
+        self.diagnostics.iter().any(|d| d.severity == Severity::Error)
+    }
 }
 
 /// Parses the text of a rule file.

@@ -10,6 +10,9 @@ use std::collections::HashSet;
 /// The turtle symbols that are names; the others are operators.
 const TURTLE_NAMES: [&str; 2] = ["F", "f"];
 
+/// Among more symbols than these no near name is looked for.
+const MOST_COMPARED: usize = 1000;
+
 #[derive(Debug, Default)]
 pub(super) struct Symbols<'t> {
     /// From `module` lines.
@@ -118,7 +121,8 @@ impl<'t> Parser<'t> {
             self.failed = true;
         } else if self.undeclared.insert(text) {
             let message = format!("no module `{}` is declared", excerpt(text));
-            let hint = self.undeclared_hint(text);
+            // The search for a near name takes time, so it is made only for what is listed.
+            let hint = if self.findings.is_full() { String::new() } else { self.undeclared_hint(text) };
             self.report(Diagnostic::error(code::UNDECLARED_SYMBOL, token.span, message).hint(hint));
         }
     }
@@ -132,6 +136,9 @@ impl<'t> Parser<'t> {
         }
         if self.peek_at(1) == TokenKind::Colon && self.begins_line() {
             return "declare it, or, if it is a label, let a predecessor of declared modules follow".into();
+        }
+        if self.symbols.declared.len() > MOST_COMPARED {
+            return format!("declare it: `module {}`", excerpt(text));
         }
         let turtle = TURTLE_NAMES.iter().filter(|_| self.symbols.turtle);
         match nearest(text, self.symbols.declared.iter().chain(turtle).copied()) {

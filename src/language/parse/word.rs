@@ -3,10 +3,10 @@
 use super::symbols::is_operator_symbol;
 use super::{Parse, Parser, TokenKind};
 use crate::language::diagnostic::{Diagnostic, code};
-use crate::language::lex::{Bracket, Keyword};
+use crate::language::lex::{self, Bracket, Findings, Keyword, excerpt};
 use crate::language::syntax::{
-    Block, Cell, Element, Expr, Kind, ModuleUse, Name, Slot, SlotFill, Span, Successor, TemplatePlace,
-    TemplateUse, Transform,
+    Block, Cell, Element, Expr, ExprKind, Kind, ModuleUse, Name, Slot, SlotFill, Span, Successor,
+    TemplatePlace, TemplateUse, Transform,
 };
 
 impl Parser<'_> {
@@ -21,7 +21,6 @@ impl Parser<'_> {
 
     /// A name, a whole number, or expressions in brackets.
     fn tag(&mut self) -> Parse<Vec<Expr>> {
-        use crate::language::syntax::ExprKind;
         let span = self.token().span;
         match self.peek() {
             TokenKind::Open(Bracket::Round) => {
@@ -56,7 +55,46 @@ impl Parser<'_> {
             let error = self.empty_word(after);
             return self.stop(error);
         }
+        self.comment_behind_word();
         Ok(word)
+    }
+
+    /// `F // F` was perhaps meant as two rolls: warns of a comment behind a word that is empty or
+    /// reads as a word itself.
+    fn comment_behind_word(&mut self) {
+        let Some(last) = self.at.checked_sub(1).filter(|_| self.kind == Kind::Curve) else { return };
+        let start = self.tokens[last].span.end as usize;
+        let gap = &self.text[start..(self.token().span.start as usize).max(start)];
+        let Some(line) = gap.split(['\n', '\r']).next() else { return };
+        let before = line.len() - line.trim_start().len();
+        let Some(comment) = line.trim_start().strip_prefix("//") else { return };
+        if self.reads_as_word(comment) {
+            let span = Span::new(start + before, start + before + 2);
+            let message = "this begins a comment, which could be a part of the word";
+            let hint = "two rolls are `/ /`, with a space; a comment should say more";
+            self.report(Diagnostic::warning(code::COMMENT_LIKE_WORD, span, message).hint(hint));
+        }
+    }
+
+    /// Whether it is empty or has only symbols of the system in it, perhaps with arguments.
+    fn reads_as_word(&self, comment: &str) -> bool {
+        const LONGEST: usize = 200;
+        if comment.len() > LONGEST {
+            return false;
+        }
+        let mut depth = 0;
+        lex::lex(comment, &mut Findings::default()).iter().all(|token| {
+            let text = &comment[token.span.range()];
+            match token.kind {
+                TokenKind::Open(Bracket::Round) => depth += 1,
+                TokenKind::Close(Bracket::Round) => depth -= 1,
+                _ if depth > 0 => {}
+                TokenKind::Name => return self.symbols.contains(text),
+                TokenKind::Open(_) | TokenKind::Close(_) | TokenKind::End => {}
+                kind => return is_operator_symbol(kind),
+            }
+            true
+        })
     }
 
     pub(super) fn empty_word(&self, after: &str) -> Diagnostic {
@@ -177,7 +215,7 @@ impl Parser<'_> {
                     let (Cell::Eps(span)
                     | Cell::Module(ModuleUse { span, .. })
                     | Cell::Block(Block { span, .. })) = c;
-                    crate::language::lex::excerpt(&self.text[span.range()])
+                    excerpt(&self.text[span.range()])
                 };
                 error.hint(format!("was `[ {} | {} ]` meant?", cell(&row[0]), cell(&row[1])))
             }
