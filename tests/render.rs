@@ -71,7 +71,7 @@ fn warm_box(image: &Image) -> [u32; 4] {
 #[test]
 fn the_teapot_stands_in_the_middle() {
     let Some((device, queue)) = device() else { return };
-    let mesh = dice(&word("teapot"), 8).expect("a mesh");
+    let mesh = dice(&word("teapot"), 16).expect("a mesh");
     let picture = Picture::default();
     let image = render(&device, &queue, &mesh, &picture).expect("a picture");
     keep("teapot.png", &image);
@@ -102,7 +102,8 @@ fn the_teapot_stands_in_the_middle() {
 #[test]
 fn the_same_twice() {
     let Some((device, queue)) = device() else { return };
-    let mesh = dice(&word("sheet"), 8).expect("a mesh");
+    let mesh = dice(&word("sheet"), 32).expect("a mesh");
+    keep("sheet.png", &render(&device, &queue, &mesh, &Picture::default()).expect("a picture"));
     let first = render(&device, &queue, &mesh, &small()).expect("a picture");
     assert!(first == render(&device, &queue, &mesh, &small()).expect("a picture"));
 }
