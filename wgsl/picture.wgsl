@@ -102,13 +102,17 @@ fn shadow_vertex(@location(0) position: vec3f, @location(1) normal: vec3f) -> @b
 fn reached(p: vec3f, radius: f32) -> f32 {
     let q = to_light(p);
     let middle = vec2f(0.5 + 0.5 * q.x, 0.5 - 0.5 * q.y);
-    let taps = 32;
+    let taps = 40;
+    var direction = vec2f(radius, 0.0);
     var sum = 0.0;
     for (var i = 0; i < taps; i++) {
-        // A sunflower: turned by the golden angle from tap to tap.
-        let angle = 2.3999632 * f32(i);
-        let place = middle + radius * sqrt((f32(i) + 0.5) / f32(taps)) * vec2f(cos(angle), sin(angle));
+        let place = middle + sqrt((f32(i) + 0.5) / f32(taps)) * direction;
         sum += textureSampleCompareLevel(shadow_map, shadow_sampler, place, q.z);
+        // A sunflower: turned by the golden angle from tap to tap.
+        direction = vec2f(
+            -0.7373688 * direction.x - 0.6754903 * direction.y,
+            0.6754903 * direction.x - 0.7373688 * direction.y,
+        );
     }
     return sum / f32(taps);
 }
@@ -139,7 +143,7 @@ fn ground_vertex(@builtin(vertex_index) index: u32) -> Ground {
 fn ground_fragment(in: Ground) -> @location(0) vec4f {
     let far = length(in.place - origin() - view.ground.x * view.sky.xyz);
     let fade = 1.0 - smoothstep(0.45 * GROUND_RADIUS, 0.95 * GROUND_RADIUS, far);
-    let shadow = 1.0 - reached(in.place, 0.020);
+    let shadow = 1.0 - reached(in.place, 0.018);
     return vec4f(0.02, 0.025, 0.04, view.ground.y * fade * shadow);
 }
 
@@ -180,13 +184,15 @@ fn shoulder(c: vec3f) -> vec3f {
 @fragment
 fn surface_fragment(in: Surface, @builtin(front_facing) front: bool) -> @location(0) vec4f {
     let v = select(vec3f(0.0, 0.0, 1.0), normalize(-in.place), view.sky.w == 1.0);
-    var n = normalize(in.normal) * select(-1.0, 1.0, front);
+    // A vertex without a normal is shaded as if it faced the viewer.
+    let known = dot(in.normal, in.normal) > 1e-12;
+    var n = select(v, normalize(in.normal) * select(-1.0, 1.0, front), known);
     // At a silhouette the smooth normal may lean away from the viewer: bend it back to the edge.
     n = normalize(n - min(dot(n, v), 0.0) * v);
 
     let albedo = select(view.back_color.rgb, view.front_color.rgb, front);
     // A little off the surface, or its own roughness in the map would shade it.
-    let direct = lambert(n, KEY) * reached(in.place + (0.016 * n + 0.006 * KEY) * view.ground.z, 0.004);
+    let direct = lambert(n, KEY) * reached(in.place + (0.016 * n + 0.006 * KEY) * view.ground.z, 0.005);
     let around = mix(vec3f(0.125, 0.11, 0.105), vec3f(0.30, 0.33, 0.385), 0.5 + 0.5 * dot(n, view.sky.xyz));
     var light = around;
     light += vec3f(1.02, 0.96, 0.88) * direct;

@@ -11,7 +11,7 @@ const COLOR: TextureFormat = TextureFormat::Rgba8UnormSrgb;
 const DEPTH: TextureFormat = TextureFormat::Depth32Float;
 const SAMPLES: u32 = 4;
 /// Width and height of the shadow map.
-const SHADOW: u32 = 2048;
+const SHADOW: u32 = 1024;
 
 /// Everything to draw, on the host.
 pub(super) struct Scene {
