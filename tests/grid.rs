@@ -234,6 +234,32 @@ mod normals_where_the_product_vanishes {
     }
 
     #[test]
+    fn a_side_that_is_a_point_but_for_rounding() {
+        let mut net = teapot()[20].clone();
+        for (row, point) in net.points.iter_mut().step_by(4).enumerate() {
+            *point = [2e-7 * row as f32, 3.15 - 2.4e-7 * (row % 2) as f32, -1e-7 * row as f32, 1.0];
+        }
+        for u in [0.0, 0.3, 1.0] {
+            assert_near(net.view().evaluate(u, 0.0).normal, [0.0, 1.0, 0.0], 1e-5);
+        }
+    }
+
+    #[test]
+    fn on_a_fold_the_side_towards_the_middle_counts() {
+        for fold in [0.25, 0.75] {
+            let net = net([2, 1], |i, v| {
+                // The blossom of (u − fold)² at the control points 0 0, 0 1, 1 1.
+                let [a, b] = [(i - 0.5).max(0.0) * 2.0, (i * 2.0).min(1.0)];
+                [(a - fold) * (b - fold), a + b, v, 1.0]
+            });
+            let flat = Net { points: net.points.iter().map(|p| [p[0], 0.0, p[2], 1.0]).collect(), ..net };
+            let inside = if fold < 0.5 { 0.01 } else { -0.01 };
+            let expected = flat.view().evaluate(fold + inside, 0.5).normal;
+            assert_near(flat.view().evaluate(fold, 0.5).normal, wide(expected), 1e-6);
+        }
+    }
+
+    #[test]
     fn weights_that_differ_along_a_collapsed_side() {
         let mut net = octant();
         for i in 0..3 {
@@ -366,6 +392,23 @@ fn the_teapot_in_triangles() {
         for (normal, uv) in mesh.normals.iter().zip(&mesh.uvs) {
             assert!((dot(wide(*normal), wide(*normal)) - 1.0).abs() < 1e-6);
             assert!(uv.iter().all(|x| (0.0..=1.0).contains(x)));
+        }
+    }
+}
+
+#[test]
+fn whichever_side_is_collapsed() {
+    let tip = teapot()[20].clone();
+    let reversed = Net { degree: tip.degree, points: tip.points.iter().rev().copied().collect() };
+    for net in [tip.transposed(), reversed.transposed(), tip, reversed] {
+        let word = word(&[net]);
+        let mesh = dice(&word, 4).expect("a mesh");
+        assert_eq!(mesh.triangles().len(), 2 * 16 - 4);
+        assert!(mesh.triangles().all(|t| dot(area(&mesh, t), area(&mesh, t)) > 0.0));
+        let borders = grid::borders(&word, 4).expect("borders");
+        assert_eq!(borders.len(), 3 * 4);
+        for [a, b] in borders {
+            assert_ne!(mesh.positions[a as usize], mesh.positions[b as usize]);
         }
     }
 }

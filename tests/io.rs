@@ -233,8 +233,22 @@ fn finite() -> impl Strategy<Value = f32> {
     prop_oneof![
         4 => any::<u32>().prop_map(f32::from_bits).prop_filter("finite", |x| x.is_finite()),
         2 => -10.0f32..10.0,
-        1 => prop::sample::select(vec![0.0, -0.0, f32::MIN_POSITIVE, f32::MAX, f32::MIN, 1e-45, 16777216.0, 0.1]),
+        1 => prop::sample::select(vec![0.0, -0.0, f32::MIN_POSITIVE, f32::MAX, f32::MIN, 1e-45, 16777216.0, 0.1, 7.038531e-26]),
     ]
+}
+
+/// Most programs read numbers in double precision; the shortest decimal of one f32 does not survive that.
+#[test]
+fn numbers_survive_double_precision() {
+    let hard = f32::from_bits(0x15ae_43fd);
+    assert_ne!("7.038531e-26".parse::<f64>().expect("a number") as f32, hard);
+    for x in [hard, -hard, 0.1, f32::MAX, f32::MIN_POSITIVE, 1e-45, -0.0] {
+        let mut text = Vec::new();
+        burgeon::io::write_f32(&mut text, x).expect("written");
+        let text = std::str::from_utf8(&text).expect("text");
+        assert_eq!(text.parse::<f32>().map(f32::to_bits), Ok(x.to_bits()));
+        assert_eq!((text.parse::<f64>().expect("a number") as f32).to_bits(), x.to_bits(), "{text}");
+    }
 }
 
 fn symbols() -> Vec<Symbol> {

@@ -71,7 +71,7 @@ fn warm_box(image: &Image) -> [u32; 4] {
 #[test]
 fn the_teapot_stands_in_the_middle() {
     let Some((device, queue)) = device() else { return };
-    let mesh = dice(&word("teapot"), 8).expect("a mesh");
+    let mesh = dice(&word("teapot"), 16).expect("a mesh");
     let picture = Picture::default();
     let image = render(&device, &queue, &mesh, &picture).expect("a picture");
     keep("teapot.png", &image);
@@ -102,7 +102,8 @@ fn the_teapot_stands_in_the_middle() {
 #[test]
 fn the_same_twice() {
     let Some((device, queue)) = device() else { return };
-    let mesh = dice(&word("sheet"), 8).expect("a mesh");
+    let mesh = dice(&word("sheet"), 32).expect("a mesh");
+    keep("sheet.png", &render(&device, &queue, &mesh, &Picture::default()).expect("a picture"));
     let first = render(&device, &queue, &mesh, &small()).expect("a picture");
     assert!(first == render(&device, &queue, &mesh, &small()).expect("a picture"));
 }
@@ -195,6 +196,17 @@ fn borders_are_dark_lines() {
 }
 
 #[test]
+fn vertices_without_normals_are_lit_too() {
+    let Some((device, queue)) = device() else { return };
+    let mut mesh = dice(&word("sheet"), 4).expect("a mesh");
+    for absent in [[0.0; 3], [f32::NAN; 3]] {
+        mesh.normals.fill(absent);
+        let image = render(&device, &queue, &mesh, &small()).expect("a picture");
+        assert!(warmth(&image, image.width / 2, image.height / 2) > 20);
+    }
+}
+
+#[test]
 fn nothing_to_draw_is_a_background() {
     let Some((device, queue)) = device() else { return };
     let image = render(&device, &queue, &Mesh::default(), &small()).expect("a picture");
@@ -243,4 +255,33 @@ fn the_shader_is_valid_without_any_extension() {
     let module = naga::front::wgsl::parse_str(include_str!("../wgsl/picture.wgsl")).expect("WGSL");
     let flags = naga::valid::ValidationFlags::all();
     naga::valid::Validator::new(flags, naga::valid::Capabilities::empty()).validate(&module).expect("valid");
+}
+
+#[test]
+fn the_shader_translates_to_every_language() {
+    use naga::back::{glsl, hlsl, msl, spv};
+    use naga::proc::BoundsCheckPolicies;
+    let module = naga::front::wgsl::parse_str(include_str!("../wgsl/picture.wgsl")).expect("WGSL");
+    let mut validator =
+        naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty());
+    let info = validator.validate(&module).expect("valid");
+    spv::write_vec(&module, &info, &spv::Options::default(), None).expect("SPIR-V");
+    msl::write_string(&module, &info, &msl::Options::default(), &msl::PipelineOptions::default())
+        .expect("MSL");
+    let (options, pipeline) = (hlsl::Options::default(), hlsl::PipelineOptions::default());
+    let mut text = String::new();
+    hlsl::Writer::new(&mut text, &options, &pipeline).write(&module, &info, None).expect("HLSL");
+    let options = glsl::Options { version: glsl::Version::new_gles(310), ..glsl::Options::default() };
+    for entry in &module.entry_points {
+        let pipeline = glsl::PipelineOptions {
+            shader_stage: entry.stage,
+            entry_point: entry.name.clone(),
+            multiview: None,
+        };
+        let mut text = String::new();
+        let policies = BoundsCheckPolicies::default();
+        glsl::Writer::new(&mut text, &module, &info, &options, &pipeline, policies)
+            .and_then(|mut writer| writer.write())
+            .unwrap_or_else(|error| panic!("GLSL ES, {}: {error}", entry.name));
+    }
 }

@@ -1,4 +1,4 @@
-// The offscreen picture: background, lit surface, borders as thin lines.
+// The offscreen picture: background, shadow on the ground, lit surface, borders as thin lines.
 //
 // Shading happens in camera space: x right, y up, z towards the viewer, the eye at the origin. So
 // the lights stay with the viewer, and every view of every model is well lit.
@@ -21,9 +21,26 @@ struct View {
     line: vec4f,
     // Width and height in pixels, width of a line in pixels.
     viewport: vec4f,
+    // Height of the ground above the model's origin, how dark shadows on it are (0 without ground),
+    // radius of the model about its origin.
+    ground: vec4f,
 }
 
 @group(0) @binding(0) var<uniform> view: View;
+@group(1) @binding(0) var shadow_map: texture_depth_2d;
+@group(1) @binding(1) var shadow_sampler: sampler_comparison;
+
+// Directions to the three lights, and two that make a frame with the first.
+const KEY = vec3f(-0.6004, 0.6367, 0.4839);
+const KEY_RIGHT = vec3f(0.6275, 0.0, 0.7786);
+const KEY_UP = vec3f(0.4957, 0.7711, -0.3996);
+const FILL = vec3f(0.8523, 0.0474, 0.5209);
+const RIM = vec3f(0.5473, 0.4104, -0.7297);
+
+// The model's origin in camera space.
+fn origin() -> vec3f {
+    return vec3f(view.right.w, view.up.w, view.back.w);
+}
 
 fn to_camera(p: vec3f) -> vec3f {
     return vec3f(
@@ -68,6 +85,68 @@ fn background_fragment(in: Backdrop) -> @location(0) vec4f {
     return vec4f(mix(view.bottom.rgb, view.top.rgb, height) * corner, 1.0);
 }
 
+// Shadow: the model's depth as the key light sees it, in parallel projection.
+
+fn to_light(p: vec3f) -> vec3f {
+    let q = (p - origin()) / view.ground.z;
+    // Nothing lies farther off than the model: what does is lit like its far end.
+    return vec3f(dot(q, KEY_RIGHT), dot(q, KEY_UP), min(0.5 - 0.5 * dot(q, KEY), 1.0));
+}
+
+@vertex
+fn shadow_vertex(@location(0) position: vec3f, @location(1) normal: vec3f) -> @builtin(position) vec4f {
+    return vec4f(to_light(to_camera(position)), 1.0);
+}
+
+// The share of the key light that reaches p, averaged over a disc of this radius in the map.
+fn reached(p: vec3f, radius: f32) -> f32 {
+    let q = to_light(p);
+    let middle = vec2f(0.5 + 0.5 * q.x, 0.5 - 0.5 * q.y);
+    let taps = 40;
+    var direction = vec2f(radius, 0.0);
+    var sum = 0.0;
+    for (var i = 0; i < taps; i++) {
+        let place = middle + sqrt((f32(i) + 0.5) / f32(taps)) * direction;
+        sum += textureSampleCompareLevel(shadow_map, shadow_sampler, place, q.z);
+        // A sunflower: turned by the golden angle from tap to tap.
+        direction = vec2f(
+            -0.7373688 * direction.x - 0.6754903 * direction.y,
+            0.6754903 * direction.x - 0.7373688 * direction.y,
+        );
+    }
+    return sum / f32(taps);
+}
+
+// Ground: a disc below the model that shows nothing but shadow.
+
+struct Ground {
+    @builtin(position) position: vec4f,
+    @location(0) place: vec3f,
+}
+
+const GROUND_RADIUS = 3.0;
+
+@vertex
+fn ground_vertex(@builtin(vertex_index) index: u32) -> Ground {
+    let corner = vec2f(f32(index & 1u), f32(index >> 1u)) * 2.0 - 1.0;
+    // The camera's right is always level.
+    let right = vec3f(1.0, 0.0, 0.0);
+    let forward = cross(view.sky.xyz, right);
+    let flat = GROUND_RADIUS * (corner.x * right + corner.y * forward);
+    var out: Ground;
+    out.place = origin() + view.ground.x * view.sky.xyz + flat;
+    out.position = to_clip(out.place);
+    return out;
+}
+
+@fragment
+fn ground_fragment(in: Ground) -> @location(0) vec4f {
+    let far = length(in.place - origin() - view.ground.x * view.sky.xyz);
+    let fade = 1.0 - smoothstep(0.45 * GROUND_RADIUS, 0.95 * GROUND_RADIUS, far);
+    let shadow = 1.0 - reached(in.place, 0.018);
+    return vec4f(0.02, 0.025, 0.04, view.ground.y * fade * shadow);
+}
+
 // Surface
 
 struct Surface {
@@ -90,8 +169,9 @@ fn lambert(n: vec3f, light: vec3f) -> f32 {
     return max(dot(n, light), 0.0);
 }
 
-fn gloss(n: vec3f, v: vec3f, light: vec3f, power: f32) -> f32 {
-    return pow(max(dot(n, normalize(v + light)), 0.0), power) * step(0.0, dot(n, light));
+// Of the key light.
+fn gloss(n: vec3f, v: vec3f, power: f32) -> f32 {
+    return pow(max(dot(n, normalize(v + KEY)), 0.0), power);
 }
 
 // Rolls bright values off towards 1, leaves the rest nearly as it is.
@@ -104,25 +184,25 @@ fn shoulder(c: vec3f) -> vec3f {
 @fragment
 fn surface_fragment(in: Surface, @builtin(front_facing) front: bool) -> @location(0) vec4f {
     let v = select(vec3f(0.0, 0.0, 1.0), normalize(-in.place), view.sky.w == 1.0);
-    var n = normalize(in.normal) * select(-1.0, 1.0, front);
+    // A vertex without a normal is shaded as if it faced the viewer.
+    let known = dot(in.normal, in.normal) > 1e-12;
+    var n = select(v, normalize(in.normal) * select(-1.0, 1.0, front), known);
     // At a silhouette the smooth normal may lean away from the viewer: bend it back to the edge.
     n = normalize(n - min(dot(n, v), 0.0) * v);
 
     let albedo = select(view.back_color.rgb, view.front_color.rgb, front);
-    let key = normalize(vec3f(-0.50, 0.80, 0.62));
-    let fill = normalize(vec3f(0.85, 0.10, 0.60));
-    let rim = normalize(vec3f(0.55, 0.55, -0.75));
-
-    let hemisphere = mix(vec3f(0.17, 0.155, 0.15), vec3f(0.36, 0.39, 0.44), 0.5 + 0.5 * dot(n, view.sky.xyz));
-    var light = hemisphere;
-    light += vec3f(0.88, 0.84, 0.78) * lambert(n, key);
-    light += vec3f(0.14, 0.16, 0.20) * lambert(n, fill);
-    light += vec3f(0.30, 0.31, 0.34) * lambert(n, rim);
+    // A little off the surface, or its own roughness in the map would shade it.
+    let direct = lambert(n, KEY) * reached(in.place + (0.016 * n + 0.006 * KEY) * view.ground.z, 0.005);
+    let around = mix(vec3f(0.125, 0.11, 0.105), vec3f(0.30, 0.33, 0.385), 0.5 + 0.5 * dot(n, view.sky.xyz));
+    var light = around;
+    light += vec3f(1.02, 0.96, 0.88) * direct;
+    light += vec3f(0.13, 0.155, 0.20) * lambert(n, FILL);
+    light += vec3f(0.34, 0.35, 0.38) * lambert(n, RIM);
 
     let edge = pow(1.0 - max(dot(n, v), 0.0), 5.0);
     var color = albedo * light;
-    color += vec3f(0.22) * gloss(n, v, key, 60.0) + vec3f(0.05) * gloss(n, v, fill, 24.0);
-    color += 0.12 * edge * hemisphere;
+    color += (vec3f(0.06) * gloss(n, v, 12.0) + vec3f(0.40) * gloss(n, v, 110.0)) * smoothstep(0.0, 0.15, direct);
+    color += 0.35 * edge * around;
     return vec4f(shoulder(color), 1.0);
 }
 

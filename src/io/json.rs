@@ -10,6 +10,7 @@
 //! and row by row. Floats always have a point or an exponent and read back to the same f32, −0.0
 //! included; int parameters have neither, so the type of a parameter shows.
 
+use super::number::Number;
 use super::write::WriteError;
 use crate::language::Value;
 use crate::language::system::Field;
@@ -49,7 +50,15 @@ struct Written<'a> {
 #[derive(DeriveSerialize)]
 struct WrittenNet<'a> {
     degree: [u8; 2],
-    points: &'a [[f32; 4]],
+    points: Points<'a>,
+}
+
+struct Points<'a>(&'a [[f32; 4]]);
+
+impl Serialize for Points<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.0.iter().map(|point| point.map(Number)))
+    }
 }
 
 struct Parameter<'a>(&'a Value);
@@ -59,10 +68,10 @@ impl Serialize for Parameter<'_> {
         match self.0 {
             Value::Bool(b) => b.serialize(serializer),
             Value::Int(i) => i.serialize(serializer),
-            Value::Float(x) => x.serialize(serializer),
-            Value::Vec2(v) => v.serialize(serializer),
-            Value::Vec3(v) => v.serialize(serializer),
-            Value::Vec4(v) => v.serialize(serializer),
+            Value::Float(x) => Number(*x).serialize(serializer),
+            Value::Vec2(v) => v.map(Number).serialize(serializer),
+            Value::Vec3(v) => v.map(Number).serialize(serializer),
+            Value::Vec4(v) => v.map(Number).serialize(serializer),
             Value::List(list) => serializer.collect_seq(list.iter().map(Parameter)),
         }
     }
@@ -112,7 +121,7 @@ fn write_module(
         params: module.params.iter().map(Parameter).collect(),
         root: module.root,
         cell: [du.into(), dv.into(), i, j],
-        net: WrittenNet { degree: word.degree, points },
+        net: WrittenNet { degree: word.degree, points: Points(points) },
     };
     to_json(writer, &written)
 }
@@ -162,7 +171,7 @@ struct ReadHead {
     kind: String,
 }
 
-/// Reads a word that [`write`] wrote, or another program.
+/// Reads a word that [`write()`] wrote, or another program.
 ///
 /// What the file does not say is made up: the symbols are those that occur, in order of appearance,
 /// their fields named `p0`, `p1` …; the key of a module counts the modules of its root, which keeps

@@ -218,10 +218,10 @@ impl Euclidean {
 /// Collapses a row of control points to its point and its derivative at `p`.
 fn de_casteljau(row: &[Vec4], p: Parameter) -> (Vec4, Vec4) {
     // The usual lengths by name, so that the compiler unrolls them.
-    match row {
-        &[a, b] => collapse([a, b], p),
-        &[a, b, c] => collapse([a, b, c], p),
-        &[a, b, c, d] => collapse([a, b, c, d], p),
+    match *row {
+        [a, b] => collapse([a, b], p),
+        [a, b, c] => collapse([a, b, c], p),
+        [a, b, c, d] => collapse([a, b, c, d], p),
         _ => {
             let mut copy = [[0.0; 4]; MAX_ROW];
             copy[..row.len()].copy_from_slice(row);

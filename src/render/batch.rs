@@ -26,8 +26,9 @@ pub(super) fn batches(mesh: &Mesh, unit: &Unit, max_bytes: u64) -> Result<Vec<Ba
     let mut batches = Vec::new();
     let mut batch = Batch::default();
     for triangle in mesh.triangles() {
-        let vertices_fit = fits(batch.vertices.len() + 3, size_of::<Vertex>());
-        if !batch.indices.is_empty() && !(vertices_fit && fits(batch.indices.len() + 3, size_of::<u32>())) {
+        let one_more_fits = fits(batch.vertices.len() + 3, size_of::<Vertex>())
+            && fits(batch.indices.len() + 3, size_of::<u32>());
+        if !(batch.indices.is_empty() || one_more_fits) {
             batches.push(std::mem::take(&mut batch));
             used.drain(..).for_each(|vertex: usize| place[vertex] = NOWHERE);
         }

@@ -9,6 +9,9 @@ const HALF_ANGLE: f64 = 14.0;
 /// How much of the width and height the model may take.
 const FILL: f64 = 0.88;
 
+/// Farther off the model's origin than anything that is drawn, the ground included.
+const GROUND: f64 = 6.0;
+
 /// A model moved and scaled to lie in −1..=1, which keeps f32 exact enough for models of any size,
 /// anywhere.
 #[derive(Clone, Copy, Debug)]
@@ -144,7 +147,7 @@ fn perspective(axes: &Axes, points: impl Iterator<Item = V3>, aspect: f64) -> Fr
     let depth = depth.or_zero();
     let distance = ((right - left) / (2.0 * tx)).max((above - below) / (2.0 * ty)).max(depth.1 + 0.1);
     let eye = [0.5 * (left + right), 0.5 * (below + above), distance];
-    let (near, far) = (0.9 * (distance - depth.1), 1.1 * (distance - depth.0) + 0.1);
+    let (near, far) = (0.9 * (distance - depth.1), distance + GROUND);
     axes.framed(eye, [1.0 / slope_x, 1.0 / slope_y, near, far], true)
 }
 
@@ -156,6 +159,6 @@ fn parallel(axes: &Axes, points: impl Iterator<Item = V3>, aspect: f64) -> Frame
     let [x, y, z] = ranges.map(Range::or_zero);
     let half_height = (0.5 * (y.1 - y.0)).max(0.5 * (x.1 - x.0) / aspect).max(1e-3) / FILL;
     let eye = [0.5 * (x.0 + x.1), 0.5 * (y.0 + y.1), z.1 + 1.0];
-    let projection = [1.0 / (half_height * aspect), 1.0 / half_height, 0.5, z.1 - z.0 + 1.5];
+    let projection = [1.0 / (half_height * aspect), 1.0 / half_height, 0.5, z.1 + 1.0 + GROUND];
     axes.framed(eye, projection, false)
 }

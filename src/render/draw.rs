@@ -10,13 +10,17 @@ const SHADER: &str = include_str!("../../wgsl/picture.wgsl");
 const COLOR: TextureFormat = TextureFormat::Rgba8UnormSrgb;
 const DEPTH: TextureFormat = TextureFormat::Depth32Float;
 const SAMPLES: u32 = 4;
+/// Width and height of the shadow map.
+const SHADOW: u32 = 1024;
 
 /// Everything to draw, on the host.
 pub(super) struct Scene {
     pub batches: Vec<Batch>,
     /// Two end points each.
     pub lines: Vec<[f32; 6]>,
-    pub view: [[f32; 4]; 11],
+    pub view: [[f32; 4]; 12],
+    /// Is there a ground that shadows fall on?
+    pub ground: bool,
 }
 
 /// The bytes that one vertex, index or line buffer may have: WebGPU promises 256 MiB, and smaller
@@ -68,7 +72,9 @@ impl Scopes {
 fn submit(device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene, target: &Target) {
     let view =
         upload(device, queue, "picture view", BufferUsages::UNIFORM, bytemuck::cast_slice(&scene.view));
-    let pipelines = Pipelines::new(device, &view);
+    let shadow = texture(device, "picture shadow", DEPTH, 1, [SHADOW; 2], TextureUsages::TEXTURE_BINDING)
+        .create_view(&Default::default());
+    let pipelines = Pipelines::new(device, &view, &shadow);
     let meshes: Vec<Geometry> =
         scene.batches.iter().map(|batch| Geometry::new(device, queue, batch)).collect();
     let line_length = size_of::<[f32; 6]>();
@@ -83,10 +89,21 @@ fn submit(device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene, target: &Ta
     let mut encoder =
         device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("picture") });
     {
+        let mut pass = begin_shadow(&mut encoder, &shadow);
+        pass.set_bind_group(0, &pipelines.view, &[]);
+        pass.set_pipeline(&pipelines.shadow);
+        meshes.iter().for_each(|geometry| geometry.draw(&mut pass));
+    }
+    {
         let mut pass = target.begin(&mut encoder);
         pass.set_bind_group(0, &pipelines.view, &[]);
+        pass.set_bind_group(1, &pipelines.shadows, &[]);
         pass.set_pipeline(&pipelines.background);
         pass.draw(0..3, 0..1);
+        if scene.ground {
+            pass.set_pipeline(&pipelines.ground);
+            pass.draw(0..4, 0..1);
+        }
         pass.set_pipeline(&pipelines.surface);
         meshes.iter().for_each(|geometry| geometry.draw(&mut pass));
         pass.set_pipeline(&pipelines.line);
@@ -142,51 +159,95 @@ impl Geometry {
 }
 
 struct Pipelines {
+    shadow: wgpu::RenderPipeline,
     background: wgpu::RenderPipeline,
+    ground: wgpu::RenderPipeline,
     surface: wgpu::RenderPipeline,
     line: wgpu::RenderPipeline,
+    /// Group 0: the record `View`.
     view: wgpu::BindGroup,
+    /// Group 1: the shadow map and its sampler.
+    shadows: wgpu::BindGroup,
 }
 
 impl Pipelines {
-    fn new(device: &wgpu::Device, view: &wgpu::Buffer) -> Pipelines {
+    fn new(device: &wgpu::Device, view: &wgpu::Buffer, shadow: &wgpu::TextureView) -> Pipelines {
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("picture.wgsl"),
             source: wgpu::ShaderSource::Wgsl(SHADER.into()),
         });
-        let bindings = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("picture view"),
-            entries: &[wgpu::BindGroupLayoutEntry {
-                binding: 0,
-                visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
-                ty: wgpu::BindingType::Buffer {
-                    ty: wgpu::BufferBindingType::Uniform,
-                    has_dynamic_offset: false,
-                    min_binding_size: None,
-                },
-                count: None,
-            }],
+        let [view_layout, shadows_layout] = group_layouts(device);
+        let layout = |label, bind_group_layouts: &[Option<&wgpu::BindGroupLayout>]| {
+            device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some(label),
+                bind_group_layouts,
+                immediate_size: 0,
+            })
+        };
+        let alone = layout("picture shadow", &[Some(&view_layout)]);
+        let both = layout("picture", &[Some(&view_layout), Some(&shadows_layout)]);
+        let new = Builder { device, module: &module, layout: &both };
+        let vertices = Some(VertexStepMode::Vertex);
+        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("picture shadow"),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            compare: Some(wgpu::CompareFunction::LessEqual),
+            ..Default::default()
         });
-        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("picture"),
-            bind_group_layouts: &[Some(&bindings)],
-            immediate_size: 0,
-        });
-        let new = Builder { device, module: &module, layout: &layout };
         Pipelines {
-            background: new.pipeline("background", None, false),
-            surface: new.pipeline("surface", Some(VertexStepMode::Vertex), true),
-            line: new.pipeline("line", Some(VertexStepMode::Instance), true),
+            shadow: Builder { layout: &alone, ..new }.shadow(),
+            background: new.flat("background", wgpu::PrimitiveTopology::TriangleList, None),
+            ground: new.flat(
+                "ground",
+                wgpu::PrimitiveTopology::TriangleStrip,
+                Some(wgpu::BlendState::ALPHA_BLENDING),
+            ),
+            surface: new.solid("surface", vertices),
+            line: new.solid("line", Some(VertexStepMode::Instance)),
             view: device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: Some("picture view"),
-                layout: &bindings,
+                layout: &view_layout,
                 entries: &[wgpu::BindGroupEntry { binding: 0, resource: view.as_entire_binding() }],
+            }),
+            shadows: device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("picture shadows"),
+                layout: &shadows_layout,
+                entries: &[
+                    wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(shadow) },
+                    wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(&sampler) },
+                ],
             }),
         }
     }
 }
 
-/// What the three pipelines have in common.
+/// Of the groups 0 and 1 of the shader.
+fn group_layouts(device: &wgpu::Device) -> [wgpu::BindGroupLayout; 2] {
+    let entry = |binding, visibility, ty| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
+    let layout = |label, entries: &[wgpu::BindGroupLayoutEntry]| {
+        device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
+    };
+    let view = wgpu::BindingType::Buffer {
+        ty: wgpu::BufferBindingType::Uniform,
+        has_dynamic_offset: false,
+        min_binding_size: None,
+    };
+    let map = wgpu::BindingType::Texture {
+        sample_type: wgpu::TextureSampleType::Depth,
+        view_dimension: wgpu::TextureViewDimension::D2,
+        multisampled: false,
+    };
+    let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Comparison);
+    let fragment = wgpu::ShaderStages::FRAGMENT;
+    [
+        layout("picture view", &[entry(0, wgpu::ShaderStages::VERTEX_FRAGMENT, view)]),
+        layout("picture shadows", &[entry(0, fragment, map), entry(1, fragment, sampler)]),
+    ]
+}
+
+/// What the pipelines have in common.
+#[derive(Clone, Copy)]
 struct Builder<'a> {
     device: &'a wgpu::Device,
     module: &'a wgpu::ShaderModule,
@@ -194,9 +255,40 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    /// The pipeline of the entry points `name`_vertex and `name`_fragment; `input` says how it steps
-    /// through pairs of three floats, if it reads any.
-    fn pipeline(&self, name: &str, input: Option<VertexStepMode>, depth: bool) -> wgpu::RenderPipeline {
+    /// Behind everything, over the whole target, from no buffer at all.
+    fn flat(
+        &self,
+        name: &str,
+        topology: wgpu::PrimitiveTopology,
+        blend: Option<wgpu::BlendState>,
+    ) -> wgpu::RenderPipeline {
+        let color = wgpu::ColorTargetState { blend, ..COLOR.into() };
+        self.pipeline(name, None, topology, Some(color), None)
+    }
+
+    /// Hidden by what is nearer.
+    fn solid(&self, name: &str, input: Option<VertexStepMode>) -> wgpu::RenderPipeline {
+        let depth = Some(wgpu::DepthBiasState::default());
+        self.pipeline(name, input, wgpu::PrimitiveTopology::TriangleList, Some(COLOR.into()), depth)
+    }
+
+    /// Depth alone, set back so that a surface does not shade itself.
+    fn shadow(&self) -> wgpu::RenderPipeline {
+        let bias = wgpu::DepthBiasState { constant: 2, slope_scale: 2.0, clamp: 0.0 };
+        let topology = wgpu::PrimitiveTopology::TriangleList;
+        self.pipeline("shadow", Some(VertexStepMode::Vertex), topology, None, Some(bias))
+    }
+
+    /// The pipeline of the entry points `name`_vertex and, with a color, `name`_fragment; `input` says
+    /// how it steps through pairs of three floats, if it reads any; without `depth` nothing hides it.
+    fn pipeline(
+        &self,
+        name: &str,
+        input: Option<VertexStepMode>,
+        topology: wgpu::PrimitiveTopology,
+        color: Option<wgpu::ColorTargetState>,
+        depth: Option<wgpu::DepthBiasState>,
+    ) -> wgpu::RenderPipeline {
         let pair = |step_mode| wgpu::VertexBufferLayout {
             array_stride: size_of::<Vertex>() as u64,
             step_mode,
@@ -206,7 +298,10 @@ impl Builder<'_> {
             ],
         };
         let buffers: Vec<_> = input.map(|step_mode| Some(pair(step_mode))).into_iter().collect();
-        let compare = if depth { wgpu::CompareFunction::Less } else { wgpu::CompareFunction::Always };
+        let compare =
+            if depth.is_some() { wgpu::CompareFunction::Less } else { wgpu::CompareFunction::Always };
+        let fragment = format!("{name}_fragment");
+        let targets = [color];
         self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(&format!("picture {name}")),
             layout: Some(self.layout),
@@ -216,25 +311,70 @@ impl Builder<'_> {
                 compilation_options: Default::default(),
                 buffers: &buffers,
             },
-            primitive: wgpu::PrimitiveState::default(),
+            primitive: wgpu::PrimitiveState { topology, ..Default::default() },
             depth_stencil: Some(wgpu::DepthStencilState {
                 format: DEPTH,
-                depth_write_enabled: Some(depth),
+                depth_write_enabled: Some(depth.is_some()),
                 depth_compare: Some(compare),
                 stencil: wgpu::StencilState::default(),
-                bias: wgpu::DepthBiasState::default(),
+                bias: depth.unwrap_or_default(),
             }),
-            multisample: wgpu::MultisampleState { count: SAMPLES, ..Default::default() },
-            fragment: Some(wgpu::FragmentState {
+            multisample: wgpu::MultisampleState {
+                count: if targets[0].is_some() { SAMPLES } else { 1 },
+                ..Default::default()
+            },
+            fragment: targets[0].is_some().then_some(wgpu::FragmentState {
                 module: self.module,
-                entry_point: Some(&format!("{name}_fragment")),
+                entry_point: Some(&fragment),
                 compilation_options: Default::default(),
-                targets: &[Some(COLOR.into())],
+                targets: &targets,
             }),
             multiview_mask: None,
             cache: None,
         })
     }
+}
+
+fn texture(
+    device: &wgpu::Device,
+    label: &str,
+    format: TextureFormat,
+    sample_count: u32,
+    size: [u32; 2],
+    usage: TextureUsages,
+) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: extent(size),
+        mip_level_count: 1,
+        sample_count,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: usage | TextureUsages::RENDER_ATTACHMENT,
+        view_formats: &[],
+    })
+}
+
+fn begin_shadow<'a>(
+    encoder: &'a mut wgpu::CommandEncoder,
+    shadow: &wgpu::TextureView,
+) -> wgpu::RenderPass<'a> {
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("picture shadow"),
+        color_attachments: &[],
+        depth_stencil_attachment: Some(cleared_depth(shadow, wgpu::StoreOp::Store)),
+        timestamp_writes: None,
+        occlusion_query_set: None,
+        multiview_mask: None,
+    })
+}
+
+fn cleared_depth(
+    view: &wgpu::TextureView,
+    store: wgpu::StoreOp,
+) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    let depth_ops = Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store });
+    wgpu::RenderPassDepthStencilAttachment { view, depth_ops, stencil_ops: None }
 }
 
 /// What is drawn into, and the buffer that the host reads.
@@ -248,24 +388,15 @@ struct Target {
 
 impl Target {
     fn new(device: &wgpu::Device, size: [u32; 2]) -> Target {
-        let texture = |label, format, sample_count, usage| {
-            device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(label),
-                size: extent(size),
-                mip_level_count: 1,
-                sample_count,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage,
-                view_formats: &[],
-            })
+        let attachment = |label, format| {
+            texture(device, label, format, SAMPLES, size, TextureUsages::empty())
+                .create_view(&Default::default())
         };
-        let drawn = TextureUsages::RENDER_ATTACHMENT;
         Target {
             size,
-            samples: texture("picture samples", COLOR, SAMPLES, drawn).create_view(&Default::default()),
-            depth: texture("picture depth", DEPTH, SAMPLES, drawn).create_view(&Default::default()),
-            resolved: texture("picture", COLOR, 1, drawn | TextureUsages::COPY_SRC),
+            samples: attachment("picture samples", COLOR),
+            depth: attachment("picture depth", DEPTH),
+            resolved: texture(device, "picture", COLOR, 1, size, TextureUsages::COPY_SRC),
             readback: device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("picture readback"),
                 size: u64::from(row_bytes(size)) * u64::from(size[1]),
@@ -288,14 +419,7 @@ impl Target {
                     store: wgpu::StoreOp::Discard,
                 },
             })],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &self.depth,
-                depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(1.0),
-                    store: wgpu::StoreOp::Discard,
-                }),
-                stencil_ops: None,
-            }),
+            depth_stencil_attachment: Some(cleared_depth(&self.depth, wgpu::StoreOp::Discard)),
             timestamp_writes: None,
             occlusion_query_set: None,
             multiview_mask: None,

@@ -25,6 +25,8 @@ pub struct Picture {
     pub back: [u8; 3],
     /// sRGB of the background, at the top and at the bottom.
     pub background: [[u8; 3]; 2],
+    /// Does the model stand on a ground that it throws a shadow on? Seen from below, it never does.
+    pub ground: bool,
     /// Edges to draw as thin lines, as pairs of vertices of the mesh; for the sides of the leaves take
     /// [`borders`](crate::tessellate::grid::borders).
     pub lines: Vec<[u32; 2]>,
@@ -41,12 +43,13 @@ impl Default for Picture {
             height: 720,
             up: Up::Y,
             camera: Camera::default(),
-            front: [222, 170, 118],
-            back: [112, 148, 176],
+            front: [217, 155, 108],
+            back: [104, 141, 172],
             background: [[246, 247, 249], [205, 211, 219]],
+            ground: true,
             lines: Vec::new(),
             line_color: [52, 40, 36],
-            line_width: 1.2,
+            line_width: 1.5,
         }
     }
 }
@@ -60,6 +63,9 @@ pub enum Up {
     /// The front is seen from −y.
     Z,
 }
+
+/// How dark a full shadow on the ground is, 0..=1.
+const SHADOW_STRENGTH: f32 = 0.34;
 
 /// From where the model is seen. The distance is such that it fills the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,6 +119,7 @@ pub fn render(
         batches: batch::batches(mesh, &unit, draw::buffer_limit(device))?,
         lines: batch::lines(mesh, &unit, &options.lines)?,
         view: view(mesh, &unit, options),
+        ground: ground(options),
     };
     draw::draw(device, queue, &scene, [options.width, options.height])
 }
@@ -133,13 +140,28 @@ fn check(device: &wgpu::Device, mesh: &Mesh, options: &Picture) -> Result<(), Er
     }
 }
 
+/// Is the ground wanted, and seen from above?
+fn ground(options: &Picture) -> bool {
+    options.ground
+        && match options.camera {
+            Camera::Around { elevation, .. } => elevation > 0.0,
+            Camera::Top => true,
+        }
+}
+
 /// The record `View` of `wgsl/picture.wgsl`.
-fn view(mesh: &Mesh, unit: &camera::Unit, options: &Picture) -> [[f32; 4]; 11] {
+fn view(mesh: &Mesh, unit: &camera::Unit, options: &Picture) -> [[f32; 4]; 12] {
     let [width, height] = [options.width, options.height].map(f64::from);
     let points: Vec<[f32; 3]> = mesh.positions.iter().map(|&p| unit.apply(p)).collect();
     let camera::Framed { right, up, back, projection, sky } =
         camera::frame(&points, options.camera, options.up, width / height);
     let [top, bottom] = options.background.map(linear);
+    let up_axis = match options.up {
+        Up::Y => 1,
+        Up::Z => 2,
+    };
+    let lowest = points.iter().map(|p| p[up_axis]).fold(0.0, f32::min) - 0.004;
+    let radius = points.iter().map(|p| p.iter().map(|x| x * x).sum()).fold(1e-6, f32::max).sqrt() * 1.02;
     [
         right,
         up,
@@ -152,6 +174,7 @@ fn view(mesh: &Mesh, unit: &camera::Unit, options: &Picture) -> [[f32; 4]; 11] {
         bottom,
         linear(options.line_color),
         [width as f32, height as f32, options.line_width, 0.0],
+        [lowest, SHADOW_STRENGTH, radius, 0.0],
     ]
 }
 

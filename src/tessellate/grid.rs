@@ -162,9 +162,9 @@ fn triangles(n: usize, [u0, u1, v0, v1]: Collapsed) -> impl Iterator<Item = [u32
         let [a, b, c, d] = [vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j + 1)];
         let last = n - 1;
         // Edge a b runs along the side v = 0, b c along u = 1, c d along v = 1, d a along u = 0.
-        let first = !(v0 && j == 0) && !(u1 && i == last);
-        let second = !(v1 && j == last) && !(u0 && i == 0);
-        [first.then_some([a, b, c]), second.then_some([a, c, d])].into_iter().flatten()
+        let first_is_flat = v0 && j == 0 || u1 && i == last;
+        let second_is_flat = v1 && j == last || u0 && i == 0;
+        [(!first_is_flat).then_some([a, b, c]), (!second_is_flat).then_some([a, c, d])].into_iter().flatten()
     })
 }
 
