@@ -58,8 +58,7 @@ pub fn engines() -> Vec<(String, Engine)> {
     if std::env::var("BURGEON_ADAPTER").is_err() {
         list.extend(gl());
     }
-    let named = |h: Headless| {
-        (format!("{} ({:?})", h.info.name, h.info.backend), Engine::new(&h.device, &h.queue))
-    };
+    let named =
+        |h: Headless| (format!("{} ({:?})", h.info.name, h.info.backend), Engine::new(&h.device, &h.queue));
     list.into_iter().map(named).collect()
 }

@@ -77,13 +77,16 @@ impl Job {
     }
 }
 
+/// What the case sets; a param that the system does not read is none of its own.
 fn settings(case: &oracle::Case) -> Vec<(String, Value)> {
+    let system = system(&case.text);
     let value = |p: &oracle::Param| match *p {
         oracle::Param::Int(i) => Value::Int(i),
         oracle::Param::Bool(b) => Value::Bool(b),
         oracle::Param::Float(x) => Value::Float(x as f32),
     };
-    case.set.iter().map(|(name, p)| (name.clone(), value(p))).collect()
+    let own = |name: &str| system.uniforms.iter().any(|u| u.name == name);
+    case.set.iter().filter(|(name, _)| own(name)).map(|(name, p)| (name.clone(), value(p))).collect()
 }
 
 /// Seeds of random systems; every one that once failed stays in `KEPT`.

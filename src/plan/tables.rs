@@ -316,7 +316,8 @@ impl Builder<'_> {
                         let carried = field(fields.len(), &level.ty, level.span);
                         fields.push(Field { name: "level".to_string(), ty: level.ty.clone() });
                         args.push(level);
-                        inner = map_block(&inner, &|e| map_expr(e, &|e| is_level(e).then(|| carried.clone())));
+                        inner =
+                            map_block(&inner, &|e| map_expr(e, &|e| is_level(e).then(|| carried.clone())));
                     }
                     let symbol = self.add_symbol(name, fields, true);
                     self.pending.push(Pending { symbol, block: inner, label: label.to_string() });
@@ -386,7 +387,9 @@ fn find_level(block: &system::Block) -> Option<Expr> {
         system::Cell::Block(inner) => find_level(inner),
         system::Cell::Module(m) => {
             let mut found = None;
-            m.args.iter().for_each(|a| a.walk(&mut |e| found = found.take().or(is_level(e).then(|| e.clone()))));
+            m.args
+                .iter()
+                .for_each(|a| a.walk(&mut |e| found = found.take().or(is_level(e).then(|| e.clone()))));
             found
         }
     })
