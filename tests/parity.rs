@@ -4,6 +4,7 @@
 use crate::device;
 use crate::oracle::{self, Tolerance};
 use crate::papers;
+use burgeon::codegen::{Mapping, Tuning};
 use burgeon::cpu::Cpu;
 use burgeon::gpu::{Engine, Gpu};
 use burgeon::language::vocabulary::Vocabulary;
@@ -178,5 +179,20 @@ fn papers_numbers_hold_on_the_cpu() {
 fn papers_numbers_hold_on_the_gpu() {
     for (_, engine) in device::engines() {
         papers_on(&|job, steps| job.word(&mut job.gpu(&engine), Some(steps), None));
+    }
+}
+
+#[test]
+fn every_tuning_gives_the_same_words() {
+    let Some(headless) = device::headless() else { return };
+    let mappings = [Mapping::NetPerInvocation, Mapping::PointPerInvocation];
+    for (mapping, seed) in mappings.into_iter().flat_map(|m| (100..106).map(move |seed| (m, seed))) {
+        let tuning = Tuning { mapping, ..Tuning::GPU };
+        let engine = Engine::with_tuning(&headless.device, &headless.queue, tuning);
+        let case = oracle::derived_case(seed);
+        let job = Job::new(&case.text, &case.nets, settings(&case));
+        let steps = case.steps.map(|s| s as u32);
+        let expected = job.word(&mut job.cpu(2), steps, None);
+        assert!(job.word(&mut job.gpu(&engine), steps, None) == expected, "{case}\n{tuning:?}");
     }
 }

@@ -12,6 +12,7 @@
 import extent;
 import rules;
 import address;
+import children;
 import halving;
 import ops;
 
@@ -24,20 +25,6 @@ import ops;
 @group(0) @binding(6) var<storage, read_write> next_records: array<vec4u>;
 @group(0) @binding(7) var<storage, read_write> next_nets: array<vec4f>;
 @group(0) @binding(8) var<storage, read_write> status: Status;
-
-// Where cell c goes, or NOWHERE if it is erased.
-fn place(first: u32, live: u32, c: u32) -> u32 {
-  if (live & (1u << c)) == 0u {
-    return NOWHERE;
-  }
-  return first + countOneBits(live & ((1u << c) - 1u));
-}
-
-fn write_child(rule: u32, c: u32, m: Record, halves: u32, at: u32) {
-  if at != NOWHERE {
-    write_record(at, with_address(successor(rule, c, m), m, halves, c >> 1u, c & 1u));
-  }
-}
 
 fn write_four(at: u32, p0: vec4f, p1: vec4f, p2: vec4f, p3: vec4f) {
   next_nets[at] = p0;
@@ -64,41 +51,21 @@ fn emit(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     return;
   }
   let m = read_record(i);
-  var rule: u32;
-  var first: u32;
-  if CLOSED != 0u {
-    rule = matching_rule(m);
-    first = i * CLOSED;
-  } else {
-    rule = rules[i];
-    first = offsets[i];
-  }
-  let word = rule_word(rule);
-  let halves = word & 3u;
-  let live = (word >> 4u) & 15u;
-  let end = first + ((word >> 8u) & 7u);
-  if live == 0u {
+  let e = emission(i, m);
+  if e.live == 0u {
     return;
   }
-  if end > extent.capacity {
-    atomicMax(&status.needed, end);
-    return;
-  }
-  if too_deep(m, halves) {
-    atomicStore(&status.too_deep, 1u);
-    return;
-  }
-  let at0 = place(first, live, 0u);
-  let at1 = place(first, live, 1u);
-  let at2 = place(first, live, 2u);
-  let at3 = place(first, live, 3u);
-  write_child(rule, 0u, m, halves, at0);
-  write_child(rule, 1u, m, halves, at1);
-  write_child(rule, 2u, m, halves, at2);
-  write_child(rule, 3u, m, halves, at3);
+  let at0 = place(e.first, e.live, 0u);
+  let at1 = place(e.first, e.live, 1u);
+  let at2 = place(e.first, e.live, 2u);
+  let at3 = place(e.first, e.live, 3u);
+  write_child(e.rule, 0u, m, e.halves, at0);
+  write_child(e.rule, 1u, m, e.halves, at1);
+  write_child(e.rule, 2u, m, e.halves, at2);
+  write_child(e.rule, 3u, m, e.halves, at3);
 
-  let u = (halves & 1u) != 0u;
-  let v = (halves & 2u) != 0u;
+  let u = (e.halves & 1u) != 0u;
+  let v = (e.halves & 2u) != 0u;
   let b = i * 16u;
   let c0 = halve_if(u, nets[b], nets[b + 4u], nets[b + 8u], nets[b + 12u]);
   let c1 = halve_if(u, nets[b + 1u], nets[b + 5u], nets[b + 9u], nets[b + 13u]);

@@ -9,6 +9,7 @@ use crate::language::Span;
 /// Every file of `wgsl/`.
 const FILES: &[(&str, &str)] = &[
     ("address", include_str!("../../wgsl/shared/address.wgsl")),
+    ("children", include_str!("../../wgsl/shared/children.wgsl")),
     ("extent", include_str!("../../wgsl/shared/extent.wgsl")),
     ("halving", include_str!("../../wgsl/shared/halving.wgsl")),
     ("ops", include_str!("../../wgsl/shared/ops.wgsl")),
@@ -19,6 +20,7 @@ const FILES: &[(&str, &str)] = &[
     ("copy", include_str!("../../wgsl/copy.wgsl")),
     ("count", include_str!("../../wgsl/count.wgsl")),
     ("emit", include_str!("../../wgsl/emit.wgsl")),
+    ("emit_by_point", include_str!("../../wgsl/emit_by_point.wgsl")),
     ("expand", include_str!("../../wgsl/expand.wgsl")),
     ("match_modules", include_str!("../../wgsl/match_modules.wgsl")),
     ("retire", include_str!("../../wgsl/retire.wgsl")),

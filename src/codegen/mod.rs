@@ -12,6 +12,33 @@ use crate::plan::derive::StageId;
 use crate::plan::layout::Layout;
 use crate::plan::tables::Stage;
 
+/// How `emit` is laid out over invocations; the bits that come out are the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Mapping {
+    /// An invocation a net, all of it in registers: fewest loads, no barrier. `wgsl/emit.wgsl`.
+    NetPerInvocation,
+    /// An invocation a control point, nets in workgroup memory: every access coalesced.
+    /// `wgsl/emit_by_point.wgsl`.
+    PointPerInvocation,
+}
+
+impl Mapping {
+    /// The kernel's file.
+    fn kernel(self) -> &'static str {
+        match self {
+            Mapping::NetPerInvocation => "emit",
+            Mapping::PointPerInvocation => "emit_by_point",
+        }
+    }
+    /// Invocations for so many nets of so many points.
+    pub fn invocations(self, nets: u64, points: u64) -> u64 {
+        match self {
+            Mapping::NetPerInvocation => nets,
+            Mapping::PointPerInvocation => nets * points,
+        }
+    }
+}
+
 /// Sizes that a device wants; they change no result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Tuning {
@@ -21,13 +48,16 @@ pub struct Tuning {
     pub scan_workgroup: u32,
     /// Elements an invocation of these, a multiple of 32.
     pub scan_items: u32,
+    pub mapping: Mapping,
 }
 
 impl Tuning {
     /// For drivers that run on the CPU: barriers and loads are dear, threads are few.
-    pub const CPU_DRIVER: Tuning = Tuning { workgroup: 64, scan_workgroup: 64, scan_items: 256 };
+    pub const CPU_DRIVER: Tuning =
+        Tuning { workgroup: 64, scan_workgroup: 64, scan_items: 256, mapping: Mapping::NetPerInvocation };
     /// For GPUs.
-    pub const GPU: Tuning = Tuning { workgroup: 64, scan_workgroup: 256, scan_items: 32 };
+    pub const GPU: Tuning =
+        Tuning { workgroup: 64, scan_workgroup: 256, scan_items: 32, mapping: Mapping::PointPerInvocation };
 
     /// Elements of a tile of `scan` and `compact`.
     pub fn tile(&self) -> u32 {
@@ -77,7 +107,7 @@ pub fn stage(plan: &Plan, id: StageId, tuning: &Tuning) -> Result<StageShaders, 
     Ok(StageShaders {
         match_modules: build("match_modules", &constants, match_parts)?,
         count: build("count", &constants, generate::Text::default())?,
-        emit: build("emit", &constants, emit_parts)?,
+        emit: build(tuning.mapping.kernel(), &constants, emit_parts)?,
     })
 }
 

@@ -279,7 +279,8 @@ impl<'a> Gpu<'a> {
                     status,
                 ];
                 let group = kernels.emit.bind(&self.engine, &bound);
-                kernels.emit.record(&mut pass, &group, &[kernels::groups(n, tuning.workgroup)]);
+                let invocations = tuning.mapping.invocations(n, layout.net_points() as u64);
+                kernels.emit.record(&mut pass, &group, &[kernels::groups(invocations, tuning.workgroup)]);
             }
             if let Some(finished) = finished {
                 self.write_extent(2, Extent { count: finished.len as u32, ..fresh(finished.len) });
