@@ -36,7 +36,7 @@ pub struct Row {
     /// Over columns of 4-byte words. Absent: no backend runs the row yet.
     pub cpu: Option<Cpu>,
     /// WGSL text with `{0}`, `{1}`, `{2}` for the arguments; it may stand anywhere in an
-    /// expression. Empty where [`Row::cpu`] is absent.
+    /// expression and may call functions of `wgsl/shared/ops.wgsl`. Empty where [`Row::cpu`] is absent.
     pub wgsl: &'static str,
     pub doc: &'static str,
 }
@@ -69,10 +69,13 @@ impl Row {
 /// 1, int as two's complement, float as its bits). All columns are as long as the result's.
 #[derive(Clone, Copy, Debug)]
 pub enum Cpu {
-    One(fn(&[u32], &mut [u32])),
-    Two(fn(&[u32], &[u32], &mut [u32])),
-    Three(fn(&[u32], &[u32], &[u32], &mut [u32])),
+    One(fn(Column, &mut [u32])),
+    Two(fn(Column, Column, &mut [u32])),
+    Three(fn(Column, Column, Column, &mut [u32])),
 }
+
+/// One argument of each of a block of modules.
+pub type Column<'a> = &'a [u32];
 
 impl Cpu {
     /// One word: the function on columns of length 1. `args` holds as many words as it takes.
@@ -244,8 +247,8 @@ pub static TABLE: &[Row] = table! {
         "+" (a: Float, b: Float) -> Float, "({0} + {1})", a + b, "Sum.";
         "-" (a: Int, b: Int) -> Int, "({0} - {1})", a.wrapping_sub(b), "Difference; wraps.";
         "-" (a: Float, b: Float) -> Float, "({0} - {1})", a - b, "Difference.";
-        "-" (a: Int) -> Int, "(-{0})", a.wrapping_neg(), "Negation; wraps.";
-        "-" (a: Float) -> Float, "(-{0})", -a, "Negation.";
+        "-" (a: Int) -> Int, "(-({0}))", a.wrapping_neg(), "Negation; wraps.";
+        "-" (a: Float) -> Float, "(-({0}))", -a, "Negation.";
         "*" (a: Int, b: Int) -> Int, "({0} * {1})", a.wrapping_mul(b), "Product; wraps.";
         "*" (a: Float, b: Float) -> Float, "({0} * {1})", a * b, "Product.";
         "/" (a: Int, b: Int) -> Int, "int_div({0}, {1})", int_div(a, b), "Quotient towards zero; x / 0 = x.";

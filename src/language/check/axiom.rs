@@ -193,7 +193,10 @@ impl<'a> Checker<'a> {
     // Patches.
 
     fn patch_axiom(&mut self, axiom: &'a syntax::Axiom, degree: [u8; 2], rational: bool) -> Axiom {
-        let name = self.symbols.first().map_or("P", |s| s.name.as_str()).to_string();
+        let name = self.symbols.first().map_or("P".to_string(), |s| {
+            let args: Vec<&str> = s.fields.iter().map(|f| super::successor::example(&f.ty)).collect();
+            if args.is_empty() { s.name.clone() } else { format!("{}({})", s.name, args.join(", ")) }
+        });
         let starts = match &axiom.kind {
             AxiomKind::Starts(starts) => starts,
             // The final word of an earlier system, with its own symbols.

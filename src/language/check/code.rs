@@ -103,8 +103,6 @@ pub const TOO_MANY_RULES: &str = "E0268";
 pub const TRACE: &str = "E0269";
 /// A successor that systems of this kind have not.
 pub const SUCCESSOR: &str = "E0270";
-/// The end marker `#` where none may stand.
-pub const END_MARKER: &str = "E0271";
 
 /// A rule that is never reached.
 pub const UNREACHED: &str = "W0301";
@@ -120,11 +118,9 @@ pub const TRUNCATES: &str = "W0305";
 pub const UNUSED: &str = "W0306";
 /// A name that hides a param or const.
 pub const HIDDEN: &str = "W0307";
-/// A comment that may be two symbols.
-pub const COMMENT: &str = "W0308";
 /// `noise` in a condition: CPU and GPU may decide differently.
-pub const NOISE: &str = "W0309";
+pub const NOISE: &str = "W0308";
 /// A division of ints by the constant 0.
-pub const DIVISION_BY_ZERO: &str = "W0310";
+pub const DIVISION_BY_ZERO: &str = "W0309";
 /// A name in a list of slots that the template has not.
-pub const SLOT_IGNORED: &str = "W0311";
+pub const SLOT_IGNORED: &str = "W0310";

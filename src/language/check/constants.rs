@@ -138,7 +138,13 @@ impl<'a> Checker<'a> {
             self.report(error.hint("lists are constants: write `const`"));
             return None;
         }
+        let span = value.span;
         let default = self.literal(value)?;
+        if declaration.name.text == "seed" && ty != Type::Int {
+            let message = format!("`seed` is an int, not {}", super::typing::article(&ty));
+            self.report(Diagnostic::error(code::TYPE, span, message));
+            return None;
+        }
         let range = match declaration.range {
             Some((low, high)) => Some(self.range(declaration, &ty, &default, low, high)?),
             None => None,

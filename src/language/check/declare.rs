@@ -155,7 +155,7 @@ impl<'a> Checker<'a> {
     fn module(&mut self, declaration: &'a syntax::ModuleDecl) {
         let name = &declaration.symbol;
         self.reserved(name);
-        let turtle = TURTLE.iter().any(|(symbol, ..)| *symbol == name.text);
+        let turtle = is_turtle(&name.text);
         if turtle && matches!(self.kind, Kind::Curve(_)) {
             let message = format!("`{}` is a symbol of the turtle and declared already", name.text);
             let error = Diagnostic::error(code::DUPLICATE, name.span, message);
@@ -204,12 +204,10 @@ impl<'a> Checker<'a> {
             self.symbol_ids.insert(symbol, id);
             return Some(id);
         }
-        let is_symbol = |s: &str| {
-            self.symbol_ids.contains_key(s)
-                || !matches!(self.kind, Kind::Mesh) && TURTLE.iter().any(|(symbol, ..)| *symbol == s)
-        };
+        let is_symbol =
+            |s: &str| self.symbol_ids.contains_key(s) || !matches!(self.kind, Kind::Mesh) && is_turtle(s);
         let hint = suggest::spaced(&name.text, is_symbol)
-            .or_else(|| suggest::nearest(&name.text, self.symbol_ids.keys().copied()))
+            .or_else(|| self.nearest(&name.text, self.symbol_ids.keys().copied()))
             .unwrap_or_else(|| format!("declare it: `module {}`", name.text));
         let message = format!("no module `{}` is declared", name.text);
         self.report(Diagnostic::error(code::UNKNOWN_MODULE, name.span, message).hint(hint));
@@ -338,6 +336,11 @@ impl<'a> Checker<'a> {
             count += 1;
         }
     }
+}
+
+/// Whether the turtle has a symbol of that name; those have no declaration to point at.
+pub(super) fn is_turtle(name: &str) -> bool {
+    TURTLE.iter().any(|(symbol, ..)| *symbol == name)
 }
 
 pub(super) fn kind_word(kind: syntax::Kind) -> &'static str {

@@ -5,16 +5,22 @@
 
 mod affine;
 mod axiom;
+mod calls;
 pub mod code;
-mod comments;
 mod constants;
+mod contexts;
+mod corners;
+mod data;
 mod declare;
+mod lookup;
 mod mesh;
 mod names;
 mod patch;
+mod patterns;
 mod rules;
 mod run;
 mod scope;
+mod shapes;
 mod successor;
 mod suggest;
 mod templates;
@@ -28,6 +34,7 @@ use super::vocabulary::Vocabulary;
 use super::{Value, parse};
 use names::Names;
 use std::collections::{HashMap, HashSet};
+use std::ops::Range;
 use std::sync::Arc;
 use templates::Template;
 
@@ -51,17 +58,32 @@ impl Checked {
 pub fn compile(text: &str, vocabulary: &Vocabulary) -> Checked {
     let parsed = parse::parse(text);
     let mut checked = check(&parsed.file, vocabulary);
-    let broken = parsed.diagnostics.iter().any(|d| d.severity == Severity::Error);
-    if broken {
+    if parsed.has_errors() {
         // A statement that could not be read may have declared what is missing now.
         checked.systems.clear();
-        checked.diagnostics.retain(|d| !may_follow_from_unread(d));
-    } else {
-        checked.diagnostics.extend(comments::suspicious(text, &parsed.file));
+        let lines: Vec<_> = parsed
+            .diagnostics
+            .iter()
+            .filter(|d| d.severity == Severity::Error)
+            .map(|d| lines_of(text, d.span))
+            .collect();
+        checked.diagnostics.retain(|d| {
+            let touches =
+                |line: &Range<usize>| d.span.range().start < line.end && line.start < d.span.range().end;
+            !may_follow_from_unread(d) && !lines.iter().any(touches)
+        });
     }
     checked.diagnostics.extend(parsed.diagnostics);
     sort(&mut checked.diagnostics);
     checked
+}
+
+/// The whole lines that a span touches.
+fn lines_of(text: &str, span: Span) -> Range<usize> {
+    let range = span.range();
+    let before = text.get(..range.start).unwrap_or_default();
+    let behind = text.get(range.end..).unwrap_or_default();
+    before.rfind('\n').map_or(0, |i| i + 1)..behind.find('\n').map_or(text.len(), |i| range.end + i)
 }
 
 /// Whether a finding may owe itself to a statement that the parser had to leave out.
@@ -158,7 +180,7 @@ struct Checker<'a> {
     /// How many components the tags of a symbol have, and where that was first seen.
     tags: HashMap<SymbolId, (usize, Span)>,
     traced: Option<SymbolId>,
-    corners: mesh::Corners,
+    corners: corners::Corners,
     /// Nesting of the expression that is being typed.
     depth: usize,
 }
@@ -190,7 +212,7 @@ impl<'a> Checker<'a> {
             group_ids: HashMap::new(),
             tags: HashMap::new(),
             traced: None,
-            corners: mesh::Corners::default(),
+            corners: corners::Corners::default(),
             depth: 0,
         };
         checker.declare_names(shared);
@@ -202,8 +224,8 @@ impl<'a> Checker<'a> {
         self.kind = self.system_kind();
         self.items();
         self.modules();
-        self.constants();
         self.declare_queries();
+        self.constants();
         self.query_values();
         self.declare_templates();
         self.declare_places();
@@ -259,6 +281,16 @@ impl<'a> Checker<'a> {
 
     fn errors(&self) -> usize {
         self.findings.iter().filter(|d| d.severity == Severity::Error).count()
+    }
+
+    /// A hint that names the candidate nearest to a name. Behind many findings it is not worth the
+    /// time that the search takes.
+    fn nearest<'n>(&self, name: &str, candidates: impl IntoIterator<Item = &'n str>) -> Option<String> {
+        const MOST_FINDINGS: usize = 64;
+        if self.findings.len() > MOST_FINDINGS {
+            return None;
+        }
+        suggest::nearest(name, candidates)
     }
 
     /// Two things of one name where only one may be.

@@ -1,6 +1,6 @@
 //! The words of patch systems: blocks, relabelling, erasure.
 
-use super::declare::TURTLE;
+use super::declare::is_turtle;
 use super::scope::Scope;
 use super::{Checker, code};
 use crate::language::diagnostic::Diagnostic;
@@ -117,7 +117,7 @@ impl<'a> Checker<'a> {
 
 fn begins_with_turtle(branch: &[Element]) -> bool {
     match branch.first() {
-        Some(Element::Module(used)) => TURTLE.iter().any(|(name, ..)| *name == used.symbol.text),
+        Some(Element::Module(used)) => is_turtle(&used.symbol.text),
         _ => false,
     }
 }

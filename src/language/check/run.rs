@@ -148,7 +148,7 @@ impl<'a> Checker<'a> {
             match self.group_ids.get(name.text.as_str()) {
                 Some((index, _)) => groups.push(*index),
                 None => {
-                    let hint = suggest::nearest(&name.text, self.group_ids.keys().copied());
+                    let hint = self.nearest(&name.text, self.group_ids.keys().copied());
                     let message = format!("there is no rule group `{}`", name.text);
                     self.report(Diagnostic::error(code::UNKNOWN_GROUP, name.span, message).hint_if(hint));
                 }
@@ -165,7 +165,8 @@ impl<'a> Checker<'a> {
             Some(scheme) if scheme.of.fits(self.kind) => {}
             _ if fitting.is_empty() => self.wrong_kind("`subdivide`", scheme.span, &[syntax::Kind::Mesh]),
             _ => {
-                let hint = suggest::nearest(&scheme.text, fitting.iter().copied())
+                let hint = self
+                    .nearest(&scheme.text, fitting.iter().copied())
                     .unwrap_or_else(|| format!("there are {}", suggest::list(fitting)));
                 let message = format!("there is no scheme `{}`", scheme.text);
                 self.report(Diagnostic::error(code::UNKNOWN_SCHEME, scheme.span, message).hint(hint));
@@ -179,7 +180,7 @@ impl<'a> Checker<'a> {
 
     fn place_name(&mut self, name: &'a Name) {
         if !self.places.contains_key(name.text.as_str()) {
-            let hint = suggest::nearest(&name.text, self.places.keys().copied());
+            let hint = self.nearest(&name.text, self.places.keys().copied());
             let message = format!("no placement `{}` is declared", name.text);
             let error = Diagnostic::error(code::UNKNOWN_PLACE, name.span, message);
             let declare = || format!("declare it: `place {} = p + normal * …`", name.text);
@@ -213,7 +214,7 @@ impl<'a> Checker<'a> {
         let mut scope = Scope::new(Where::Rule);
         self.pattern(&mut scope, pattern, |field| BinderPlace::Strict { module: 0, field }, Some(0));
         if !self.volumes.contains_key(into.text.as_str()) {
-            let hint = suggest::nearest(&into.text, self.volumes.keys().copied());
+            let hint = self.nearest(&into.text, self.volumes.keys().copied());
             let message = format!("no volume `{}` is declared", into.text);
             self.report(Diagnostic::error(code::UNKNOWN_PLACE, into.span, message).hint_if(hint));
         }

@@ -123,14 +123,14 @@ impl<'a> Checker<'a> {
 
     /// What stands for the argument that a turtle symbol may do without.
     fn omitted(&self, symbol: SymbolId) -> Option<Omitted> {
-        // Declared modules come first; one of them may have the name of a turtle symbol.
         let symbol = &self.symbols[symbol];
+        let (.., omitted) = TURTLE.iter().find(|(name, ..)| *name == symbol.name)?;
+        // In patch systems a declared module may have the name of a turtle symbol.
         let declared = self.system.items.iter().any(|item| match item {
             syntax::Item::Modules(modules) => modules.iter().any(|m| m.symbol.text == symbol.name),
             _ => false,
         });
-        let turtle = TURTLE.iter().find(|(name, ..)| *name == symbol.name);
-        turtle.filter(|_| !declared).map(|(.., omitted)| *omitted)
+        (!declared).then_some(*omitted)
     }
 
     fn omitted_argument(&mut self, omitted: Omitted, span: Span) -> Option<Expr> {
@@ -162,6 +162,7 @@ impl<'a> Checker<'a> {
         let examples: Vec<&str> = symbol.fields.iter().map(|f| example(&f.ty)).collect();
         let message = match symbol.fields.len() {
             0 => format!("`{}` takes no arguments", symbol.name),
+            n if given == 0 => format!("`{}` needs {}", symbol.name, suggest::count(n, "argument")),
             1 => format!("`{}` takes {}, not {}", symbol.name, types[0], suggest::count(given, "argument")),
             n => format!("`{}` takes {n} arguments ({}), not {given}", symbol.name, types.join(", ")),
         };
@@ -203,7 +204,7 @@ impl<'a> Checker<'a> {
     }
 }
 
-fn example(ty: &Type) -> &'static str {
+pub(super) fn example(ty: &Type) -> &'static str {
     match ty {
         Type::Bool => "true",
         Type::Int => "0",

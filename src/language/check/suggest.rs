@@ -1,41 +1,11 @@
-//! The nearest name to one that does not exist.
+//! Hints about names, and small matters of wording.
+
+use crate::language::diagnostic;
 
 /// A hint that names the candidate nearest to `name`, if one is near enough to be meant.
 pub(super) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
-    let allowed = match name.chars().count() {
-        0..=2 => 1,
-        3..=5 => 2,
-        _ => 3,
-    };
-    let found = candidates
-        .into_iter()
-        .filter(|c| *c != name && !c.is_empty())
-        .map(|c| (distance(name, c), c))
-        .filter(|(d, c)| *d <= allowed && *d < name.chars().count().max(c.chars().count()))
-        .min();
-    found.map(|(_, c)| format!("did you mean `{c}`?"))
-}
-
-/// How many letters to insert, leave out, replace or swap with their neighbour; case is free of
-/// charge but for a last bit, so that `p` is nearer to `P` than to `q`.
-fn distance(a: &str, b: &str) -> usize {
-    let fold = |s: &str| s.chars().take(64).flat_map(char::to_lowercase).collect::<Vec<_>>();
-    let (a, b) = (fold(a), fold(b));
-    let mut before: Vec<usize> = Vec::new();
-    let mut above: Vec<usize> = (0..=b.len()).collect();
-    for i in 1..=a.len() {
-        let mut row = vec![i];
-        for j in 1..=b.len() {
-            let replaced = above[j - 1] + (a[i - 1] != b[j - 1]) as usize;
-            let mut least = replaced.min(above[j] + 1).min(row[j - 1] + 1);
-            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                least = least.min(before[j - 2] + 1);
-            }
-            row.push(least);
-        }
-        before = std::mem::replace(&mut above, row);
-    }
-    above[b.len()]
+    let candidates = candidates.into_iter().filter(|c| *c != name && !c.is_empty());
+    diagnostic::nearest(name, candidates).map(|c| format!("did you mean `{c}`?"))
 }
 
 /// `"CFC"` as `"C F C"`, if each letter is one of `symbols`.

@@ -59,6 +59,7 @@ impl<'a> Checker<'a> {
         let TemplateBody::Inline(lines) = &template.body else {
             return Template { span: template.name.span, groups: None, bases };
         };
+        let before = self.errors();
         let faces = self.faces(lines);
         let mut groups: Vec<(&str, Vec<usize>)> = Vec::new();
         for (name, corners, _) in &faces {
@@ -71,6 +72,10 @@ impl<'a> Checker<'a> {
             bases.push("base");
         }
         self.bases(template, &bases, &groups);
+        if self.errors() > before {
+            // What is said of a broken template would only repeat it.
+            return Template { span: template.name.span, groups: None, bases: Vec::new() };
+        }
         if !bases.is_empty() {
             self.closed(template, &faces);
         }
@@ -83,7 +88,7 @@ impl<'a> Checker<'a> {
             match groups.iter().find(|(name, _)| name == base) {
                 None => {
                     let message = format!("template `{}` has no face `{base}`", template.name.text);
-                    let hint = suggest::nearest(base, groups.iter().map(|(name, _)| *name));
+                    let hint = self.nearest(base, groups.iter().map(|(name, _)| *name));
                     self.report(Diagnostic::error(code::TEMPLATE_BASE, span, message).hint_if(hint));
                 }
                 Some((_, sizes)) if sizes.len() > 1 => {

@@ -23,8 +23,7 @@ impl Reach {
         if let Some((_, span)) = earlier.iter().find(|(strict, _)| rule.strict.starts_with(strict)) {
             let message = "this rule is never reached";
             let warning = Diagnostic::warning(code::UNREACHED, rule.span, message);
-            let symbol = &checker.symbols[first].name;
-            return Some(warning.label(*span, format!("this one already replaces every `{symbol}`")));
+            return Some(warning.label(*span, "this one already fires wherever it could"));
         }
         // A join takes pairs, and leaves single faces to the rules behind it.
         if !written.predecessor.joined && always_fires(checker, written, rule) {
