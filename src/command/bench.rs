@@ -467,6 +467,7 @@ fn json(adapter: &gpu::Adapter, cases: &[Case]) -> String {
 mod gpu {
     use super::*;
     use crate::command::run::of_gpu;
+    use burgeon::codegen::{Mapping, Tuning};
     use burgeon::gpu::{Bandwidth, Engine, Gpu, Headless, Measure, Requirement, Scans};
 
     /// The device; none where there is no adapter, and then only the CPU is measured.
@@ -506,6 +507,9 @@ mod gpu {
                 for (plan, what) in [(&plans.plain, PLAIN_CASE), (&plans.conditional, CONDITIONAL_CASE)] {
                     cases.push(step_case(plan, backend(&engine, plan)?, ("gpu", 0, what), of_gpu)?);
                 }
+                let (other, what) = other_mapping(&engine);
+                let plan = &plans.plain;
+                cases.push(step_case(plan, backend(&other, plan)?, ("gpu", 0, what), of_gpu)?);
             }
             if wanted("patch/derive") {
                 let plan = &plans.levels;
@@ -517,6 +521,16 @@ mod gpu {
             }
             scans(&engine, wanted, cases)
         }
+    }
+
+    /// The other mapping of emit, side by side with the one that is taken.
+    fn other_mapping(engine: &Engine) -> (Engine, &'static str) {
+        let (mapping, what) = match engine.tuning().mapping {
+            Mapping::NetPerInvocation => (Mapping::PointPerInvocation, "closed form, point per invocation"),
+            Mapping::PointPerInvocation => (Mapping::NetPerInvocation, "closed form, net per invocation"),
+        };
+        let tuning = Tuning { mapping, ..*engine.tuning() };
+        (Engine::with_tuning(engine.device(), engine.queue(), tuning), what)
     }
 
     fn backend<'a>(engine: &Engine, plan: &'a Plan) -> Result<Gpu<'a>, Failure> {

@@ -163,10 +163,10 @@ fn split_net(net: &[[f32; 4]], halves: u32, live: u32, out: &mut [[f32; 4]]) {
         return;
     }
     let columns: [[Row; 2]; 4] = std::array::from_fn(|c| halve([p[0][c], p[1][c], p[2][c], p[3][c]]));
-    for hu in 0..2 {
-        let rows: [Row; 4] = std::array::from_fn(|r| std::array::from_fn(|c| columns[c][hu][r]));
-        write_rows(&rows, halves & 2, live >> (2 * hu) & 3, &mut out);
-    }
+    let half =
+        |hu: usize| -> [Row; 4] { std::array::from_fn(|r| std::array::from_fn(|c| columns[c][hu][r])) };
+    write_rows(&half(0), halves & 2, live & 3, &mut out);
+    write_rows(&half(1), halves & 2, live >> 2, &mut out);
 }
 
 /// Writes the live ones of the two halves along v, or the rows as they are where v is not halved.
@@ -189,8 +189,8 @@ fn write_rows(rows: &[Row; 4], halve_v: u32, live: u32, out: &mut std::slice::Ch
     let right = if live & 2 != 0 { out.next() } else { None };
     match (left, right) {
         (Some(left), Some(right)) => {
-            for r in 0..4 {
-                let [l, h] = halve(rows[r]);
+            for (r, row) in rows.iter().enumerate() {
+                let [l, h] = halve(*row);
                 store(left, r, l);
                 store(right, r, h);
             }

@@ -16,7 +16,7 @@ pub mod scan;
 use crate::language::expr::Value;
 use crate::patch;
 use crate::plan::compare::{Trace, Traced};
-use crate::plan::derive::{self, Backend, Options, Outcome, StageId};
+use crate::plan::derive::{self, Backend, Modules, Options, Outcome, StageId};
 use crate::plan::layout::Layout;
 use crate::plan::step::Status;
 use crate::plan::tables::Stage;
@@ -201,7 +201,7 @@ impl Backend for Cpu<'_> {
         Ok(Chunk { records, nets, len })
     }
 
-    fn read(&mut self, chunk: &Chunk) -> Result<(Vec<u32>, Vec<[f32; 4]>), Error> {
+    fn read(&mut self, chunk: &Chunk) -> Result<Modules, Error> {
         let layout = &self.plan.tables.layout;
         let records = chunk.records[..chunk.len * layout.record_words].to_vec();
         Ok((records, chunk.nets[..chunk.len * layout.net_points()].to_vec()))

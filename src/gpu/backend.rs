@@ -11,7 +11,7 @@ use crate::language::expr::Value;
 use crate::patch;
 use crate::plan::Plan;
 use crate::plan::compare::{Trace, Traced};
-use crate::plan::derive::{self, Backend, Options, Outcome, StageId};
+use crate::plan::derive::{self, Backend, Modules, Options, Outcome, StageId};
 use crate::plan::layout::{Layout, MAX_HALVINGS};
 use crate::plan::step::{Extent, Status};
 use crate::plan::tables::Stage;
@@ -385,7 +385,7 @@ impl Backend for Gpu<'_> {
         })
     }
 
-    fn read(&mut self, chunk: &GpuChunk) -> Result<(Vec<u32>, Vec<[f32; 4]>), Error> {
+    fn read(&mut self, chunk: &GpuChunk) -> Result<Modules, Error> {
         let (layout, len) = (self.layout(), chunk.len as u64);
         let records =
             buffers::read(&self.engine, "reading records", chunk.records(), len * layout.record_bytes())?;

@@ -1,7 +1,7 @@
 //! The syntax tree of a rule file: what was written, with the place where it was written.
 //!
 //! The tree holds names as names: nothing is resolved, typed or folded here. The checker
-//! ([`super::check`]) turns it into a [`super::System`]; the printer ([`super::print`]) turns it
+//! ([`mod@super::check`]) turns it into a [`super::System`]; the printer ([`mod@super::print`]) turns it
 //! back into text, and `parse(print(tree)) == tree`.
 
 /// A range of bytes in the source text.

@@ -1,6 +1,6 @@
 //! Two backends in lockstep: every column of every pass compared.
 
-use super::derive::{Backend, Outcome, StageId};
+use super::derive::{Backend, Modules, Outcome, StageId};
 
 /// What the passes of one sweep wrote, for comparison: the columns of [`super::step::Column`].
 /// Columns of passes that were skipped stay empty.
@@ -61,6 +61,7 @@ pub struct Pair<L: Traced, R: Traced> {
     pub elements: u64,
 }
 
+type ChunksOf<L, R> = (<L as Backend>::Chunk, <R as Backend>::Chunk);
 type ErrorOf<L, R> = PairError<<L as Backend>::Error, <R as Backend>::Error>;
 
 impl<L: Traced, R: Traced> Pair<L, R> {
@@ -128,7 +129,7 @@ impl<L: Traced, R: Traced> Backend for Pair<L, R> {
         Ok((left, self.right.upload(records, nets).map_err(PairError::Right)?))
     }
 
-    fn read(&mut self, chunk: &Self::Chunk) -> Result<(Vec<u32>, Vec<[f32; 4]>), Self::Error> {
+    fn read(&mut self, chunk: &Self::Chunk) -> Result<Modules, Self::Error> {
         self.same_chunk("read", &chunk.0, &chunk.1)?;
         self.left.read(&chunk.0).map_err(PairError::Left)
     }
@@ -217,7 +218,7 @@ impl<L: Traced, R: Traced> Pair<L, R> {
         pass: &'static str,
         left: Option<L::Chunk>,
         right: Option<R::Chunk>,
-    ) -> Result<Option<(L::Chunk, R::Chunk)>, ErrorOf<L, R>> {
+    ) -> Result<Option<ChunksOf<L, R>>, ErrorOf<L, R>> {
         let lengths =
             (left.as_ref().map_or(0, |c| self.left.len(c)), right.as_ref().map_or(0, |c| self.right.len(c)));
         self.same(pass, &[lengths.0], &[lengths.1], |n| format!("{n} modules"))?;

@@ -16,6 +16,9 @@ use crate::patch;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+/// Records and nets of some modules, on the host.
+pub type Modules = (Vec<u32>, Vec<[f32; 4]>);
+
 /// What a backend does with a chunk. The passes are those of [`super::step`].
 pub trait Backend {
     /// Records and nets of some modules, wherever the backend keeps them.
@@ -25,7 +28,7 @@ pub trait Backend {
     /// A chunk of these records and nets.
     fn upload(&mut self, records: Vec<u32>, nets: Vec<[f32; 4]>) -> Result<Self::Chunk, Self::Error>;
     /// The records and nets of a chunk.
-    fn read(&mut self, chunk: &Self::Chunk) -> Result<(Vec<u32>, Vec<[f32; 4]>), Self::Error>;
+    fn read(&mut self, chunk: &Self::Chunk) -> Result<Modules, Self::Error>;
     /// Modules of the chunk.
     fn len(&self, chunk: &Self::Chunk) -> usize;
     /// Modules that one chunk can hold at most.

@@ -125,11 +125,7 @@ impl Plan {
     }
 
     /// The word of the axiom as records and nets: each root a module.
-    pub fn axiom(
-        &self,
-        axiom: &patch::Axiom,
-        uniforms: &[Value],
-    ) -> Result<(Vec<u32>, Vec<[f32; 4]>), Error> {
+    pub fn axiom(&self, axiom: &patch::Axiom, uniforms: &[Value]) -> Result<derive::Modules, Error> {
         let layout = &self.tables.layout;
         let mut records = Vec::with_capacity(axiom.roots.len() * layout.record_words);
         let mut nets = Vec::with_capacity(axiom.roots.len() * layout.net_points());

@@ -1,0 +1,70 @@
+//! The passes of a step and the language, each by itself, on the CPU: `cargo bench`.
+//!
+//! For CPU and GPU side by side, against the machine's bandwidth, run `burgeon bench`.
+
+use burgeon::codegen::{self, Tuning};
+use burgeon::cpu::{Cpu, compact, scan};
+use burgeon::language::compile;
+use burgeon::language::vocabulary::Vocabulary;
+use burgeon::patch::{Axiom, Net};
+use burgeon::plan::Plan;
+use burgeon::plan::derive::{Backend, Outcome, StageId};
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use std::hint::black_box;
+
+const CONDITIONAL: &str = "system conditional : patch bezier 3\nmodule P(l: int)\n\
+    axiom: P(0) = file \"nets.bpt\"\nrules:\n  P(l) : l < 9 -> [ P(l+1) P(l+1) ; P(l+1) P(l+1) ]\n";
+const PLAIN: &str = "system plain : patch bezier 3\nmodule P\naxiom: P = file \"nets.bpt\"\n\
+    rules:\n  P -> [ P P ; P P ]\n";
+const NETS: usize = 1 << 14;
+const FIRST: StageId = StageId { rule_set: 0, stage: 0 };
+
+fn plan(text: &str) -> (Plan, Axiom) {
+    let system = compile(text, &Vocabulary::default()).systems.remove(0);
+    let points = (0..16).map(|k| [(k / 4) as f32, (k * 7 % 5) as f32, (k % 4) as f32, 1.0]).collect();
+    let nets = vec![Net { degree: [3, 3], points }; NETS];
+    let axiom = Axiom::load::<String>(&system, &mut |_| Ok(nets.clone())).expect("an axiom");
+    (Plan::new(&system).expect("a plan"), axiom)
+}
+
+fn step(c: &mut Criterion) {
+    let mut group = c.benchmark_group("patch/step");
+    for (name, text) in [("plain", PLAIN), ("conditional", CONDITIONAL)] {
+        let (plan, axiom) = plan(text);
+        let mut cpu = Cpu::new(&plan, &[], 0).expect("threads");
+        let (records, nets) = plan.axiom(&axiom, &[]).expect("records");
+        let chunk = cpu.upload(records, nets).expect("a chunk");
+        group.throughput(Throughput::Bytes(5 * NETS as u64 * plan.tables.layout.module_bytes()));
+        group.bench_function(name, |b| {
+            b.iter(|| match cpu.step(FIRST, 0, &chunk, u64::MAX) {
+                Ok(Outcome::Done { next: Some(next), .. }) => cpu.recycle(next),
+                _ => panic!("the step makes modules"),
+            })
+        });
+    }
+    group.finish();
+}
+
+fn scans(c: &mut Criterion) {
+    let source: Vec<u32> = (0..1u32 << 20).map(|i| i.wrapping_mul(2_654_435_769) >> 30).collect();
+    let mut offsets = vec![0; source.len() + 1];
+    let mut indices = Vec::new();
+    let mut group = c.benchmark_group("prefix sums");
+    group.throughput(Throughput::Elements(source.len() as u64));
+    group.bench_function("scan", |b| b.iter(|| scan::scan(black_box(&source), &mut offsets)));
+    group.bench_function("compact", |b| b.iter(|| compact::compact(black_box(&source), 1, &mut indices)));
+    group.finish();
+}
+
+fn language(c: &mut Criterion) {
+    c.bench_function("language/text to validated WGSL", |b| {
+        b.iter(|| {
+            let system = compile(black_box(CONDITIONAL), &Vocabulary::default()).systems.remove(0);
+            let plan = Plan::new(&system).expect("a plan");
+            codegen::stage(&plan, FIRST, &Tuning::GPU).expect("kernels")
+        })
+    });
+}
+
+criterion_group!(benches, step, scans, language);
+criterion_main!(benches);
