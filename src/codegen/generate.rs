@@ -1,10 +1,10 @@
 //! What the rules say, as WGSL: which rule matches, and each successor's symbol and parameters.
 
 use crate::language::Span;
-use crate::language::expr::{Expr, ExprKind, Type, Value};
-use crate::plan::Plan;
+use crate::plan::code::{ChildCode, RuleCode};
+use crate::plan::graph::{Graph, Node, NodeId, Scalar};
 use crate::plan::layout::Layout;
-use crate::plan::tables::{Production, Stage, Successor};
+use crate::plan::tables::{MatchRule, Production, Stage};
 
 /// Lines of WGSL, each with the rule it says.
 #[derive(Clone, Debug, Default)]
@@ -47,8 +47,7 @@ pub fn record(layout: &Layout, writes: bool) -> Text {
 }
 
 /// `matching_rule(m)`: the rule that fires on a module.
-pub fn matching(plan: &Plan, stage: &Stage) -> Text {
-    let generator = Generator::new(plan);
+pub fn matching(stage: &Stage) -> Text {
     let mut text = Text::default();
     text.line("fn matching_rule(m: Record) -> u32 {");
     text.line("  switch symbol_of(m) {");
@@ -60,10 +59,10 @@ pub fn matching(plan: &Plan, stage: &Stage) -> Text {
         text.line(format!("    case {symbol}u: {{"));
         let mut decided = false;
         for &id in ids {
-            let p = &stage.productions[id];
-            generator.try_rule(&mut text, p, id, idle);
-            if p.guards.is_empty() {
-                decided = true;
+            let rule = &stage.rules[id];
+            try_rule(&mut text, rule, &stage.code.rules[id], idle);
+            decided = rule.guards.is_empty();
+            if decided {
                 break;
             }
         }
@@ -73,16 +72,39 @@ pub fn matching(plan: &Plan, stage: &Stage) -> Text {
         text.line("    }");
     }
     // The other symbols have no rules in this stage.
-    let other = stage.without_rules();
-    text.line(format!("    default: {{ return {other}u; }}"));
+    text.line(format!("    default: {{ return {}u; }}", stage.without_rules()));
     text.line("  }");
     text.line("}");
     text
 }
 
+fn try_rule(text: &mut Text, rule: &MatchRule, code: &RuleCode, idle: u32) {
+    let used = code.unchanged.iter().flatten().flatten().map(|u| u.0).chain(code.guards.iter().copied());
+    let values = Values::new(text, &code.graph, used, "      ", rule.span);
+    let guarded = !rule.guards.is_empty();
+    let mut indent = "      ".to_string();
+    if guarded {
+        let guards: Vec<String> = code.guards.iter().map(|&g| values.text(g)).collect();
+        text.of_rule(format!("{indent}if {} {{", guards.join(" && ")), rule.span);
+        indent.push_str("  ");
+    }
+    let id = rule.productions.start;
+    match &code.unchanged[0] {
+        None => text.of_rule(format!("{indent}return {id}u;"), rule.span),
+        Some(args) => {
+            let same = args.iter().map(|&(node, at)| format!("{} == {}", values.word(node), lane(at)));
+            let same: Vec<String> = same.collect();
+            let same = if same.is_empty() { "true".to_string() } else { same.join(" && ") };
+            text.of_rule(format!("{indent}return select({id}u, {idle}u, {same});"), rule.span);
+        }
+    }
+    if guarded {
+        text.line("      }");
+    }
+}
+
 /// `successor(rule, c, m)`: symbol and parameters of cell c; the module itself where it is kept.
-pub fn successors(plan: &Plan, stage: &Stage) -> Text {
-    let generator = Generator::new(plan);
+pub fn successors(stage: &Stage) -> Text {
     let mut text = Text::default();
     text.line("fn successor(rule: u32, c: u32, m: Record) -> Record {");
     text.line("  var r = Record();");
@@ -91,7 +113,7 @@ pub fn successors(plan: &Plan, stage: &Stage) -> Text {
         for (c, cell) in p.cells.iter().enumerate() {
             if let Some(successor) = cell {
                 text.of_rule(format!("    case {}u: {{", id * 4 + c), p.span);
-                generator.child(&mut text, p, successor);
+                child(&mut text, p, &stage.code.children[id], c, successor.symbol);
                 text.line("    }");
             }
         }
@@ -103,73 +125,82 @@ pub fn successors(plan: &Plan, stage: &Stage) -> Text {
     text
 }
 
-struct Generator<'a> {
-    plan: &'a Plan,
-    uniforms: Vec<usize>,
+fn child(text: &mut Text, p: &Production, code: &ChildCode, cell: usize, symbol: usize) {
+    let args = &code.args[cell];
+    let values = Values::new(text, &code.graph, args.iter().map(|a| a.0), "      ", p.span);
+    text.of_rule(format!("      r.q0.x = {symbol}u;"), p.span);
+    for &(node, at) in args {
+        let target = lane(at).replacen('m', "r", 1);
+        text.of_rule(format!("      {target} = {};", values.word(node)), p.span);
+    }
 }
 
-impl<'a> Generator<'a> {
-    fn new(plan: &'a Plan) -> Self {
-        Generator { plan, uniforms: plan.environment_layout().0 }
-    }
+/// The nodes of a graph as expressions: those used more than once are named.
+struct Values<'a> {
+    graph: &'a Graph,
+    texts: Vec<String>,
+}
 
-    fn try_rule(&self, text: &mut Text, p: &Production, id: usize, idle: u32) {
-        let fields = &self.plan.tables.symbols[p.predecessor].words;
-        let mut indent = "      ".to_string();
-        let guarded = !p.guards.is_empty();
-        if guarded {
-            let guards: Vec<String> = p.guards.iter().map(|g| self.expr(g, fields)).collect();
-            text.of_rule(format!("{indent}if {} {{", guards.join(" && ")), p.span);
-            indent.push_str("  ");
-        }
-        if p.relabels_itself() {
-            let args = p.cells[0].iter().flat_map(|c| &c.args);
-            let same = args.zip(fields).map(|(a, &at)| format!("{} == {}", self.word(a, fields), lane(at)));
-            let same: Vec<String> = same.collect();
-            let same = if same.is_empty() { "true".to_string() } else { same.join(" && ") };
-            text.of_rule(format!("{indent}return select({id}u, {idle}u, {same});"), p.span);
-        } else {
-            text.of_rule(format!("{indent}return {id}u;"), p.span);
-        }
-        if guarded {
-            text.line("      }");
-        }
-    }
-
-    fn child(&self, text: &mut Text, p: &Production, successor: &Successor) {
-        let fields = &self.plan.tables.symbols[p.predecessor].words;
-        let places = &self.plan.tables.symbols[successor.symbol].words;
-        text.of_rule(format!("      r.q0.x = {}u;", successor.symbol), p.span);
-        for (arg, &at) in successor.args.iter().zip(places) {
-            let target = lane(at).replacen('m', "r", 1);
-            text.of_rule(format!("      {target} = {};", self.word(arg, fields)), p.span);
-        }
-    }
-
-    /// The expression as a word of a record.
-    fn word(&self, e: &Expr, fields: &[usize]) -> String {
-        let text = self.expr(e, fields);
-        match e.ty {
-            Type::Bool => format!("select(0u, 1u, {text})"),
-            _ => format!("bitcast<u32>({text})"),
-        }
-    }
-
-    fn expr(&self, e: &Expr, fields: &[usize]) -> String {
-        match &e.kind {
-            ExprKind::Literal(value) => literal(value),
-            ExprKind::Binder(n) => from_word(&e.ty, &lane(fields[*n])),
-            ExprKind::Uniform(n) => from_word(&e.ty, &format!("uniform_word({}u)", self.uniforms[*n])),
-            ExprKind::Attribute("step") => "i32(extent.step)".to_string(),
-            ExprKind::Attribute(_) => "i32(level_of(m))".to_string(),
-            ExprKind::Call(op, args) => {
-                let row = op.row();
-                let args = args.iter().map(|a| self.expr(a, fields));
-                // One argument after the other: an argument's own text may hold braces of no template.
-                fill(row.wgsl, &args.collect::<Vec<_>>())
+impl<'a> Values<'a> {
+    /// Writes a `let` for every node that the wanted ones use more than once.
+    fn new(
+        text: &mut Text,
+        graph: &'a Graph,
+        wanted: impl Iterator<Item = NodeId>,
+        indent: &str,
+        span: Span,
+    ) -> Values<'a> {
+        let mut uses = vec![0usize; graph.nodes.len()];
+        wanted.for_each(|id| uses[id] += 1);
+        for id in (0..graph.nodes.len()).rev() {
+            if uses[id] > 0 {
+                graph.args(id).into_iter().for_each(|a| uses[a] += 1);
             }
-            // `plan::supported` has refused all others.
-            _ => "0".to_string(),
+        }
+        let mut values = Values { graph, texts: Vec::with_capacity(graph.nodes.len()) };
+        for (id, node) in graph.nodes.iter().enumerate() {
+            let mut value = if uses[id] == 0 { String::new() } else { values.node(node) };
+            if uses[id] > 1 && matches!(node, Node::Call(..) | Node::Element { .. }) {
+                // Not written twice: a chain of sharing nodes would double at each.
+                let name = format!("v{}_{id}", text.lines.len());
+                text.of_rule(format!("{indent}let {name} = {value};"), span);
+                value = name;
+            }
+            values.texts.push(value);
+        }
+        values
+    }
+
+    fn text(&self, id: NodeId) -> String {
+        self.texts[id].clone()
+    }
+
+    /// The node as a word of a record.
+    fn word(&self, id: NodeId) -> String {
+        match self.graph.scalar(id) {
+            Scalar::Bool => format!("select(0u, 1u, {})", self.texts[id]),
+            _ => format!("bitcast<u32>({})", self.texts[id]),
+        }
+    }
+
+    fn node(&self, node: &Node) -> String {
+        match *node {
+            Node::Literal(ty, word) => literal(ty, word),
+            Node::Field(ty, at) => from_word(ty, &lane(at)),
+            Node::Uniform(ty, at) => from_word(ty, &format!("uniform_word({at}u)")),
+            Node::Step => "i32(extent.step)".to_string(),
+            Node::Level => "i32(level_of(m))".to_string(),
+            Node::Element { ty, base, stride, length, index } => {
+                let last = length.saturating_sub(1);
+                let index = format!("u32(clamp({}, 0i, {last}i))", self.texts[index]);
+                from_word(ty, &format!("uniform_word({base}u + {stride}u * {index})"))
+            }
+            Node::Call(op, args) => {
+                let row = op.row();
+                // One argument after the other: its own text may hold braces of no template.
+                let args: Vec<String> = args[..row.args.len()].iter().map(|&a| self.text(a)).collect();
+                fill(row.wgsl, &args)
+            }
         }
     }
 }
@@ -192,21 +223,21 @@ fn lane(at: usize) -> String {
     format!("m.q{}.{}", at / 4, ["x", "y", "z", "w"][at % 4])
 }
 
-fn from_word(ty: &Type, word: &str) -> String {
+fn from_word(ty: Scalar, word: &str) -> String {
     match ty {
-        Type::Bool => format!("({word} != 0u)"),
-        Type::Int => format!("bitcast<i32>({word})"),
-        _ => format!("bitcast<f32>({word})"),
+        Scalar::Bool => format!("({word} != 0u)"),
+        Scalar::Int => format!("bitcast<i32>({word})"),
+        Scalar::Float => format!("bitcast<f32>({word})"),
     }
 }
 
-fn literal(value: &Value) -> String {
-    match value {
-        Value::Bool(b) => b.to_string(),
+fn literal(ty: Scalar, word: u32) -> String {
+    match (ty, word as i32) {
+        (Scalar::Bool, word) => (word != 0).to_string(),
         // The numeral of the least int would overflow before its sign is seen.
-        Value::Int(i32::MIN) => "(-2147483647i - 1i)".to_string(),
-        Value::Int(i) if *i < 0 => format!("({i}i)"),
-        Value::Int(i) => format!("{i}i"),
-        other => format!("bitcast<f32>({}u)", other.words().first().copied().unwrap_or(0)),
+        (Scalar::Int, i32::MIN) => "(-2147483647i - 1i)".to_string(),
+        (Scalar::Int, i) if i < 0 => format!("({i}i)"),
+        (Scalar::Int, i) => format!("{i}i"),
+        (Scalar::Float, _) => format!("bitcast<f32>({word}u)"),
     }
 }

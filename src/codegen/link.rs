@@ -10,6 +10,7 @@ use crate::language::Span;
 const FILES: &[(&str, &str)] = &[
     ("address", include_str!("../../wgsl/shared/address.wgsl")),
     ("children", include_str!("../../wgsl/shared/children.wgsl")),
+    ("elementary", include_str!("../../wgsl/shared/elementary.wgsl")),
     ("extent", include_str!("../../wgsl/shared/extent.wgsl")),
     ("halving", include_str!("../../wgsl/shared/halving.wgsl")),
     ("ops", include_str!("../../wgsl/shared/ops.wgsl")),

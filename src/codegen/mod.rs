@@ -10,7 +10,7 @@ use crate::language::Span;
 use crate::plan::Plan;
 use crate::plan::derive::StageId;
 use crate::plan::layout::Layout;
-use crate::plan::tables::Stage;
+use crate::plan::tables::{Production, Stage};
 
 /// How `emit` is laid out over invocations; the bits that come out are the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -98,12 +98,12 @@ pub fn stage(plan: &Plan, id: StageId, tuning: &Tuning) -> Result<StageShaders, 
     let stage = id.of(plan);
     let constants = stage_constants(plan, stage, tuning);
     let layout = plan.tables.layout;
-    let matching = generate::matching(plan, stage);
+    let matching = generate::matching(stage);
     let mut match_parts = generate::record(&layout, false);
     match_parts.append(matching.clone());
     let mut emit_parts = generate::record(&layout, true);
     emit_parts.append(matching);
-    emit_parts.append(generate::successors(plan, stage));
+    emit_parts.append(generate::successors(stage));
     Ok(StageShaders {
         match_modules: build("match_modules", &constants, match_parts)?,
         count: build("count", &constants, generate::Text::default())?,
@@ -146,7 +146,7 @@ fn layout_constants(layout: &Layout, tuning: &Tuning) -> String {
 }
 
 fn stage_constants(plan: &Plan, stage: &Stage, tuning: &Tuning) -> String {
-    let (_, table) = plan.environment_layout();
+    let table = stage.rule_table();
     let words = (table + stage.productions.len() + 2).next_multiple_of(4);
     format!(
         "{}const ENVIRONMENT_QUADS = {}u;\nconst RULE_TABLE = {table}u;\nconst KEEP = {}u;\n\
@@ -164,7 +164,8 @@ fn only_rule_word(stage: &Stage) -> u32 {
     if stage.closed.is_none() {
         return 0;
     }
-    let mut words = stage.by_symbol.iter().filter_map(|ids| Some(stage.productions[*ids.first()?].word()));
+    let first = |ids: &Vec<usize>| Some(&stage.productions[stage.rules[*ids.first()?].productions.start]);
+    let mut words = stage.by_symbol.iter().filter_map(first).map(Production::word);
     let first = words.next().unwrap_or(0);
     if words.all(|w| w == first) { first } else { 0 }
 }

@@ -5,7 +5,8 @@
 //! from the left), then over columns (v), always (a + b)·0.5: the same bits as the kernel.
 
 use super::BLOCK;
-use super::program::{Input, ProductionProgram, Registers, StageProgram};
+use super::program::{self, Input, Registers};
+use crate::plan::code::ChildCode;
 use crate::plan::layout::Header;
 use crate::plan::tables::{Production, Stage};
 use glam::Vec4;
@@ -22,7 +23,7 @@ pub struct Output<'a> {
 /// Where the growth is closed `rules` and `offsets` are not read.
 pub fn emit(
     stage: &Stage,
-    program: &StageProgram,
+    words_of_rules: &[u32],
     input: &Input,
     nets: &[[f32; 4]],
     rules: &[u32],
@@ -59,7 +60,7 @@ pub fn emit(
                     Some(_) => None,
                     None => Some(&rules[start..][..block.len()]),
                 };
-                emit_block(stage, program, &block, nets, rules, registers, out)
+                emit_block(stage, words_of_rules, &block, nets, rules, registers, out)
             },
         )
         .reduce(|| true, |a, b| a & b)
@@ -67,7 +68,7 @@ pub fn emit(
 
 fn emit_block(
     stage: &Stage,
-    program: &StageProgram,
+    words_of_rules: &[u32],
     block: &Input,
     nets: &[[f32; 4]],
     rules: Option<&[u32]>,
@@ -77,25 +78,25 @@ fn emit_block(
     let (words, points) = (block.layout.record_words, block.layout.net_points());
     let rule_of = |i: usize| match rules {
         Some(rules) => rules[i] as usize,
-        None => stage.by_symbol[(block.record(i)[0] & 0xffff) as usize][0],
+        None => stage.rules[stage.by_symbol[(block.record(i)[0] & 0xffff) as usize][0]].productions.start,
     };
     let mut ready = vec![false; stage.productions.len()];
     let mut at = 0;
     let mut fits = true;
     for i in 0..block.len() {
         let rule = rule_of(i);
-        let word = program.words[rule];
+        let word = words_of_rules[rule];
         let (halves, live) = (word & 3, word >> 4 & 15);
         let count = (word >> 8 & 7) as usize;
         let record = block.record(i);
         let children = &mut out.records[at * words..][..count * words];
         if let Some(production) = stage.productions.get(rule) {
-            let compiled = &program.productions[rule];
+            let code = &stage.code.children[rule];
             if !ready[rule] {
-                compiled.children.run(block, &mut registers[rule]);
+                program::run(&code.graph, block, &mut registers[rule]);
                 ready[rule] = true;
             }
-            fits &= write_records(production, compiled, &registers[rule], record, i, children);
+            fits &= write_records(production, code, &registers[rule], record, i, children);
         } else if count == 1 {
             children.copy_from_slice(record);
         }
@@ -109,7 +110,7 @@ fn emit_block(
 /// The records of the live cells, in order; false if an address did not fit.
 fn write_records(
     production: &Production,
-    compiled: &ProductionProgram,
+    code: &ChildCode,
     registers: &Registers,
     record: &[u32],
     i: usize,
@@ -123,7 +124,7 @@ fn write_records(
         let next = header.child(production.halves, cell as u32 >> 1, cell as u32 & 1);
         fits &= next.is_some();
         Header { symbol: successor.symbol as u16, ..next.unwrap_or(header) }.write(child);
-        for &(register, at) in &compiled.args[cell] {
+        for &(register, at) in &code.args[cell] {
             child[at] = registers.column(register)[i];
         }
     }

@@ -21,7 +21,6 @@ use crate::plan::layout::Layout;
 use crate::plan::step::Status;
 use crate::plan::tables::Stage;
 use crate::plan::{Error, Plan};
-use program::StageProgram;
 use std::collections::HashMap;
 
 /// Modules that one task of a pass works on.
@@ -37,8 +36,8 @@ pub struct Chunk {
 /// The backend. One belongs to one plan and one set of uniforms.
 pub struct Cpu<'a> {
     plan: &'a Plan,
-    uniforms: Vec<u32>,
-    programs: HashMap<StageId, StageProgram>,
+    uniforms: Vec<Value>,
+    environments: HashMap<StageId, Vec<u32>>,
     threads: rayon::ThreadPool,
     pool: Pool,
     trace: Option<Trace>,
@@ -66,8 +65,8 @@ impl<'a> Cpu<'a> {
             .map_err(|e| Error::Value(format!("the CPU backend could not start its threads: {e}")))?;
         Ok(Cpu {
             plan,
-            uniforms: uniforms.iter().flat_map(Value::words).collect(),
-            programs: HashMap::new(),
+            uniforms: uniforms.to_vec(),
+            environments: HashMap::new(),
             threads,
             pool: Pool { layout: plan.tables.layout, chunks: Vec::new() },
             trace: None,
@@ -78,7 +77,7 @@ impl<'a> Cpu<'a> {
     fn sweep(
         &mut self,
         id: StageId,
-        program: &StageProgram,
+        environment: &[u32],
         columns: &mut Columns,
         step: u32,
         chunk: &Chunk,
@@ -89,13 +88,14 @@ impl<'a> Cpu<'a> {
         let input = program::Input {
             records: &chunk.records[..chunk.len * layout.record_words],
             layout,
-            uniforms: &self.uniforms,
+            environment,
             step,
         };
         let n = chunk.len;
+        let words = stage.rule_words();
         let (total, retired, status) = match stage.closed {
             Some(growth) => (n * growth as usize, 0, Status { fired: 1, ..Status::default() }),
-            None => self.threads.install(|| columns.fill(stage, program, &input, n)),
+            None => self.threads.install(|| columns.fill(stage, &input, n)),
         };
         if status.too_deep != 0 {
             return Outcome::TooDeep;
@@ -113,7 +113,7 @@ impl<'a> Cpu<'a> {
                     records: &mut next.records[..total * layout.record_words],
                     nets: &mut next.nets[..total * layout.net_points()],
                 };
-                emit::emit(stage, program, &input, nets, &columns.rules, &columns.offsets, out)
+                emit::emit(stage, &words, &input, nets, &columns.rules, &columns.offsets, out)
             });
             if let Some(out) = &mut finished {
                 retire::retire(&input, nets, &columns.retired, &mut out.records, &mut out.nets);
@@ -165,17 +165,11 @@ fn take_if(len: usize, take: impl FnOnce() -> Chunk) -> Option<Chunk> {
 impl Columns {
     /// match → count → scan, and compact: how many modules come, how many are retired, what the
     /// chunk says.
-    fn fill(
-        &mut self,
-        stage: &Stage,
-        program: &StageProgram,
-        input: &program::Input,
-        n: usize,
-    ) -> (usize, usize, Status) {
+    fn fill(&mut self, stage: &Stage, input: &program::Input, n: usize) -> (usize, usize, Status) {
         self.rules.resize(n, 0);
         self.counts.resize(n, 0);
         self.offsets.resize(n + 1, 0);
-        let status = match_modules::match_modules(stage, program, input, &mut self.rules);
+        let status = match_modules::match_modules(stage, &stage.rule_words(), input, &mut self.rules);
         count::count(&stage.rule_words(), &self.rules, &mut self.counts);
         scan::scan(&self.counts, &mut self.offsets);
         if stage.may_retire() {
@@ -239,13 +233,13 @@ impl Backend for Cpu<'_> {
     }
 
     fn step(&mut self, id: StageId, step: u32, chunk: &Chunk, room: u64) -> Result<Outcome<Chunk>, Error> {
-        let program = match self.programs.remove(&id) {
-            Some(program) => program,
-            None => StageProgram::new(self.plan, id.of(self.plan)),
+        let environment = match self.environments.remove(&id) {
+            Some(environment) => environment,
+            None => self.plan.environment(id.of(self.plan), &self.uniforms),
         };
         let mut columns = std::mem::take(&mut self.columns);
         columns.clear();
-        let outcome = self.sweep(id, &program, &mut columns, step, chunk, room);
+        let outcome = self.sweep(id, &environment, &mut columns, step, chunk, room);
         if let Some(trace) = &mut self.trace {
             *trace = Trace {
                 rules: columns.rules.clone(),
@@ -255,7 +249,7 @@ impl Backend for Cpu<'_> {
             };
         }
         self.columns = columns;
-        self.programs.insert(id, program);
+        self.environments.insert(id, environment);
         Ok(outcome)
     }
 }

@@ -103,15 +103,15 @@ impl Value {
     }
 }
 
-/// A typed expression.
-#[derive(Clone, Debug)]
+/// A typed expression. Two that say the same are equal wherever they stand.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Expr {
     pub ty: Type,
     pub kind: ExprKind,
     pub span: Span,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum ExprKind {
     Literal(Value),
     /// Index into [`Rule::binders`](super::system::Rule::binders).

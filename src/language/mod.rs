@@ -1,6 +1,7 @@
 //! From text to a checked [`System`].
 pub mod check;
 pub mod diagnostic;
+pub mod elementary;
 pub mod eval;
 pub mod expr;
 pub mod lex;

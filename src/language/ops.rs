@@ -8,6 +8,7 @@
 //! and meaning only: the checker types them and the host evaluates them in constants
 //! ([`super::eval`]), but no backend runs them yet.
 
+use super::elementary;
 use super::expr::Type;
 use std::collections::HashMap;
 use std::fmt;
@@ -278,26 +279,30 @@ pub static TABLE: &[Row] = table! {
         "round" (x: Float) -> Float, "round({0})", x.round_ties_even(), "The nearest whole number; halves go to the even one.";
         "trunc" (x: Float) -> Float, "trunc({0})", x.trunc(), "Towards zero.";
         "sqrt" (x: Float) -> Float, "sqrt({0})", x.sqrt(), "Square root.";
+        "pow" (x: Float, y: Float) -> Float, "portable_pow({0}, {1})", elementary::pow(x, y), "x to the power y, for x >= 0.";
+        "exp" (x: Float) -> Float, "portable_exp({0})", elementary::exp(x), "e to the power x.";
+        "exp2" (x: Float) -> Float, "portable_exp2({0})", elementary::exp2(x), "2 to the power x.";
+        "log" (x: Float) -> Float, "portable_log({0})", elementary::log(x), "Natural logarithm; the least float for x <= 0.";
+        "log2" (x: Float) -> Float, "portable_log2({0})", elementary::log2(x), "Logarithm to base 2.";
+        "sin" (x: Float) -> Float, "portable_sin({0})", elementary::sin(x), "Sine of an angle in radians.";
+        "cos" (x: Float) -> Float, "portable_cos({0})", elementary::cos(x), "Cosine of an angle in radians.";
+        "tan" (x: Float) -> Float, "portable_tan({0})", elementary::tan(x), "Tangent of an angle in radians.";
+        "asin" (x: Float) -> Float, "portable_asin({0})", elementary::asin(x), "Arc sine, in radians.";
+        "acos" (x: Float) -> Float, "portable_acos({0})", elementary::acos(x), "Arc cosine, in radians.";
+        "atan" (x: Float) -> Float, "portable_atan({0})", elementary::atan(x), "Arc tangent, in radians.";
+        "atan2" (y: Float, x: Float) -> Float, "portable_atan2({0}, {1})", elementary::atan2(y, x), "Angle of the point (x, y), in radians.";
+        "radians" (x: Float) -> Float, "({0} * 0.017453292)", x * 0.017453292, "Degrees to radians.";
+        "degrees" (x: Float) -> Float, "({0} * 57.29578)", x * 57.29578, "Radians to degrees.";
+        "step" (edge: Float, x: Float) -> Float, "select(1.0, 0.0, {1} < {0})", if x < edge { 0.0 } else { 1.0 }, "0 below the edge, 1 from it on.";
+        "noise #" (x: Float, y: Float, z: Float) -> Float, "gradient_noise({0}, {1}, {2})", elementary::noise(x, y, z), "Gradient noise by components; written `noise(p)`.";
+        "hash #" (state: Int, word: Int) -> Int, "bitcast<i32>(hash_word(bitcast<u32>({0}), bitcast<u32>({1})))", elementary::hash(state as u32, word as u32) as i32, "Mixes a word into a hash; behind `rand`.";
+        "unit #" (hash: Int) -> Float, "unit_of_hash(bitcast<u32>({0}))", elementary::unit(hash as u32), "The upper 24 bits of a hash as a number in [0, 1).";
+        "slices #" (hash: Int) -> Int, "i32((bitcast<u32>({0}) >> 16u) + (bitcast<u32>({0}) & 0xffffu))", ((hash as u32 >> 16) + (hash as u32 & 0xffff)) as i32, "The sum of the two halves of a hash; behind `randn`.";
     }
     scalar {
         "%" (a: Float, b: Float) -> Float, "Remainder a - b * trunc(a / b), with the sign of the first.";
         "fract" (x: Float) -> Float, "x - floor(x).";
-        "pow" (x: Float, y: Float) -> Float, "x to the power y, for x >= 0.";
-        "exp" (x: Float) -> Float, "e to the power x.";
-        "exp2" (x: Float) -> Float, "2 to the power x.";
-        "log" (x: Float) -> Float, "Natural logarithm.";
-        "log2" (x: Float) -> Float, "Logarithm to base 2.";
-        "sin" (x: Float) -> Float, "Sine of an angle in radians.";
-        "cos" (x: Float) -> Float, "Cosine of an angle in radians.";
-        "tan" (x: Float) -> Float, "Tangent of an angle in radians.";
-        "asin" (x: Float) -> Float, "Arc sine, in radians.";
-        "acos" (x: Float) -> Float, "Arc cosine, in radians.";
-        "atan" (x: Float) -> Float, "Arc tangent, in radians.";
-        "atan2" (y: Float, x: Float) -> Float, "Angle of the point (x, y), in radians.";
-        "radians" (x: Float) -> Float, "Degrees to radians.";
-        "degrees" (x: Float) -> Float, "Radians to degrees.";
         "mix" (a: Float, b: Float, t: Float) -> Float, "a * (1 - t) + b * t.";
-        "step" (edge: Float, x: Float) -> Float, "0 below the edge, 1 from it on.";
         "smoothstep" (low: Float, high: Float, x: Float) -> Float, "From 0 at low to 1 at high, smooth at both ends.";
         "cross" (a: Vec2, b: Vec2) -> Float, "a.x * b.y - a.y * b.x.";
         "cross" (a: Vec3, b: Vec3) -> Vec3, "Vector product.";

@@ -2,8 +2,10 @@
 //!
 //! Start with [`layout`] (what a module is in memory), then [`step`] (one step, written once).
 
+pub mod code;
 pub mod compare;
 pub mod derive;
+pub mod graph;
 pub mod layout;
 pub mod schedule;
 pub mod size;
@@ -98,30 +100,15 @@ impl Plan {
         }
     }
 
-    /// The environment buffer of a stage: the uniforms' words, then from a multiple of four the
-    /// rule table.
+    /// The environment buffer of a stage: the uniforms' words, the constants of its expressions,
+    /// then from a multiple of four the rule table.
     pub fn environment(&self, stage: &tables::Stage, uniforms: &[Value]) -> Vec<u32> {
         let mut words: Vec<u32> = uniforms.iter().flat_map(Value::words).collect();
+        words.extend(&stage.code.constants.words);
         words.resize(words.len().next_multiple_of(4), 0);
         words.extend(stage.rule_words());
         words.resize(words.len().next_multiple_of(4), 0);
         words
-    }
-
-    /// For each uniform the word of the environment where it begins, and the word where the rule
-    /// table begins.
-    pub fn environment_layout(&self) -> (Vec<usize>, usize) {
-        let mut at = 0;
-        let starts = self
-            .system
-            .uniforms
-            .iter()
-            .map(|u| {
-                at += u.ty.words();
-                at - u.ty.words()
-            })
-            .collect();
-        (starts, at.next_multiple_of(4))
     }
 
     /// The word of the axiom as records and nets: each root a module.

@@ -66,15 +66,17 @@ impl Outcomes {
         let of_symbol = |symbol: usize| {
             let mut list = Vec::new();
             for &id in &first.by_symbol[symbol] {
-                let p = &first.productions[id];
-                let mut children = Vec::new();
-                for cell in p.cells.iter().flatten() {
-                    resolve(set, cell.symbol, &mut children);
+                let rule = &first.rules[id];
+                for p in &first.productions[rule.productions.clone()] {
+                    let mut children = Vec::new();
+                    for cell in p.cells.iter().flatten() {
+                        resolve(set, cell.symbol, &mut children);
+                    }
+                    list.push(children);
                 }
-                list.push(children);
                 // Nothing behind it is ever tried; one that may leave the module unchanged has the
-                // same count either way.
-                if p.guards.is_empty() {
+                // same count either way. Weights may all be 0, and then it does not match.
+                if rule.guards.is_empty() && rule.weights.is_empty() {
                     return list;
                 }
             }
@@ -97,9 +99,9 @@ impl Outcomes {
 
 /// The visible symbols that come of `symbol` within the step.
 fn resolve(set: &RuleSet, symbol: usize, children: &mut Vec<usize>) {
-    let hidden = set.stages[1..]
-        .iter()
-        .find_map(|stage| stage.by_symbol[symbol].first().map(|&id| &stage.productions[id]));
+    let hidden = set.stages[1..].iter().find_map(|stage| {
+        Some(&stage.productions[stage.rules[*stage.by_symbol[symbol].first()?].productions.start])
+    });
     match hidden {
         None => children.push(symbol),
         Some(p) => p.cells.iter().flatten().for_each(|c| resolve(set, c.symbol, children)),

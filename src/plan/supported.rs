@@ -2,7 +2,7 @@
 //! construct is named, and nothing is derived in part.
 
 use crate::language::Span;
-use crate::language::expr::{Expr, ExprKind, Type};
+use crate::language::expr::{Expr, ExprKind};
 
 use crate::language::system::{Kind, Rule, Step, StepKind, Successor, System};
 
@@ -37,14 +37,6 @@ pub fn degree(system: &System) -> Result<[u8; 2], Unsupported> {
             span,
         ));
     }
-    for symbol in &system.symbols {
-        for field in &symbol.fields {
-            if !matches!(field.ty, Type::Int | Type::Bool) {
-                let what = format!("parameters of type {} ({} of {})", field.ty, field.name, symbol.name);
-                return Err(Unsupported::new(what, symbol.span));
-            }
-        }
-    }
     steps(&system.run)?;
     Ok(degree)
 }
@@ -74,20 +66,17 @@ pub fn rule(system: &System, rule: &Rule) -> Result<(), Unsupported> {
     if rule.strict.len() != 1 {
         return Err(Unsupported::new("several strict predecessors in patch systems", rule.span));
     }
-    if let Some(l) = rule.lets.first() {
-        return Err(Unsupported::new(format!("`let` (of {})", l.name), l.value.span));
+    for alternative in &rule.alternatives {
+        if let Successor::Modules(_) = alternative.successor {
+            return Err(Unsupported::new("brackets in patch systems", alternative.span));
+        }
+        if let Some(weight) = &alternative.weight {
+            return Err(Unsupported::new("weights", weight.span));
+        }
+        modules(&alternative.successor, &mut |m| m.args.iter().try_for_each(expr))?;
     }
-    if rule.alternatives.len() != 1 || rule.alternatives[0].weight.is_some() {
-        return Err(Unsupported::new("weights", rule.alternatives[0].span));
-    }
-    let alternative = &rule.alternatives[0];
-    if let Successor::Modules(_) = alternative.successor {
-        return Err(Unsupported::new("brackets in patch systems", alternative.span));
-    }
-    for e in rule.tests.iter().chain(&rule.condition) {
-        expr(e)?;
-    }
-    modules(&alternative.successor, &mut |m| m.args.iter().try_for_each(expr))
+    let lets = rule.lets.iter().map(|l| &l.value);
+    lets.chain(&rule.tests).chain(&rule.condition).try_for_each(expr)
 }
 
 fn modules(
@@ -113,7 +102,7 @@ fn modules(
     }
 }
 
-/// Whether the expression is made of what this version evaluates: int and bool.
+/// Whether the expression is made of what this version evaluates.
 fn expr(e: &Expr) -> Result<(), Unsupported> {
     let mut found = Ok(());
     e.walk(&mut |e| {
@@ -133,12 +122,9 @@ fn node(e: &Expr) -> Result<(), Unsupported> {
         }
         ExprKind::Random { function, .. } => refuse(format!("`{function}`")),
         ExprKind::Sample(..) => refuse("queries sampled at a point".to_string()),
-        ExprKind::Element(..) => refuse("lists in rules".to_string()),
-        ExprKind::Component(..) | ExprKind::Vector(_) => refuse("vectors in rules".to_string()),
-        ExprKind::Call(op, _) if !matches!(e.ty, Type::Int | Type::Bool) || op.row().cpu.is_none() => {
-            refuse(format!("`{}` of type {} in rules", op.row().name, e.ty))
+        ExprKind::Call(op, _) if op.row().name == "frame *" => {
+            refuse(format!("`{}` in rules", op.row().name))
         }
-        _ if !matches!(e.ty, Type::Int | Type::Bool) => refuse(format!("values of type {} in rules", e.ty)),
         _ => Ok(()),
     }
 }

@@ -5,11 +5,13 @@
 //! symbols, which the next stage splits, until none is left. So one kernel that splits a net once
 //! serves blocks of any depth, and a nested block halves outermost first.
 
+use super::code::StageCode;
 use super::layout::{HEADER_WORDS, Layout};
 use super::supported::{self, Unsupported};
+use crate::language::Span;
 use crate::language::expr::{Expr, ExprKind, Type};
 use crate::language::system::{self, BinderPlace, Field, Rule, System};
-use crate::language::{Span, eval};
+use std::ops::Range;
 
 /// A symbol of the tables: those of the system first, then the hidden ones of nested blocks.
 #[derive(Clone, Debug)]
@@ -30,17 +32,34 @@ pub struct Successor {
     pub args: Vec<Expr>,
 }
 
-/// One rule of a stage.
+/// When one of its productions is drawn.
 #[derive(Clone, Debug)]
-pub struct Production {
+pub struct MatchRule {
     pub predecessor: usize,
+    /// Values that the expressions below and the productions' arguments may read, in order.
+    pub lets: Vec<Expr>,
     /// All must hold.
     pub guards: Vec<Expr>,
+    /// One a production where the rule has alternatives; else none.
+    pub weights: Vec<Expr>,
+    /// Its productions, by rule id.
+    pub productions: Range<usize>,
+    /// Identifies the draw: from its label, or its index in the group.
+    pub site: u32,
+    pub label: String,
+    pub span: Span,
+}
+
+/// What one module becomes; the index in [`Stage::productions`] is the rule id.
+#[derive(Clone, Debug)]
+pub struct Production {
+    /// Index into [`Stage::rules`].
+    pub rule: usize,
+    pub predecessor: usize,
     /// Which directions are halved: bit 0 u, bit 1 v. 0 with one live cell is a relabelling.
     pub halves: u32,
     /// By 2·(half of u) + (half of v); what is `None` is erased.
     pub cells: [Option<Successor>; 4],
-    pub label: String,
     pub span: Span,
 }
 
@@ -68,9 +87,10 @@ pub fn rule_word(halves: u32, live: u32) -> u32 {
 /// The rules that run in one sweep of the passes.
 #[derive(Clone, Debug)]
 pub struct Stage {
-    /// By priority; the index is the rule id.
+    /// By priority.
+    pub rules: Vec<MatchRule>,
     pub productions: Vec<Production>,
-    /// For each symbol its productions, by priority.
+    /// For each symbol its rules, by priority.
     pub by_symbol: Vec<Vec<usize>>,
     /// For each symbol: a module on which no rule fires now never sees one fire in this derivation.
     pub retires: Vec<bool>,
@@ -78,20 +98,51 @@ pub struct Stage {
     pub closed: Option<u32>,
     /// Holds the rules as written, not what nested blocks left.
     pub first: bool,
+    /// The rules' expressions as graphs; made when all symbols are known.
+    pub code: StageCode,
 }
 
 impl Stage {
-    fn new(productions: Vec<Production>, symbols: usize, first: bool) -> Stage {
-        let mut by_symbol = vec![Vec::new(); symbols];
-        for (id, p) in productions.iter().enumerate() {
-            by_symbol[p.predecessor].push(id);
-        }
-        let reads_step = |id: &usize| {
-            productions[*id].guards.iter().any(changes_with_step)
-                || productions[*id].cells.iter().flatten().flat_map(|c| &c.args).any(changes_with_step)
+    fn new(rules: Vec<(MatchRule, Vec<Production>)>, first: bool) -> Stage {
+        let (rules, productions): (Vec<MatchRule>, Vec<Vec<Production>>) = rules.into_iter().unzip();
+        let mut stage = Stage {
+            rules,
+            productions: Vec::new(),
+            by_symbol: Vec::new(),
+            retires: Vec::new(),
+            closed: None,
+            first,
+            code: StageCode::default(),
         };
-        let retires = by_symbol.iter().map(|ids| first && !ids.iter().any(reads_step)).collect();
-        Stage { productions, by_symbol, retires, closed: None, first }
+        for (rule, list) in productions.into_iter().enumerate() {
+            let start = stage.productions.len();
+            stage.productions.extend(list.into_iter().map(|p| Production { rule, ..p }));
+            stage.rules[rule].productions = start..stage.productions.len();
+        }
+        stage
+    }
+
+    /// What depends on the symbols of all rule sets.
+    fn complete(&mut self, symbols: &[Symbol], uniforms: &[usize], uniform_words: usize) {
+        self.by_symbol = vec![Vec::new(); symbols.len()];
+        for (id, rule) in self.rules.iter().enumerate() {
+            self.by_symbol[rule.predecessor].push(id);
+        }
+        self.retires = self
+            .by_symbol
+            .iter()
+            .map(|ids| self.first && !ids.iter().any(|id| self.changes_by_itself(&self.rules[*id])))
+            .collect();
+        self.closed = closed_growth(self, symbols);
+        self.code = StageCode::new(self, symbols, uniforms, uniform_words);
+    }
+
+    /// Whether the rule may fire later on a module on which it does not fire now.
+    fn changes_by_itself(&self, rule: &MatchRule) -> bool {
+        let productions = &self.productions[rule.productions.clone()];
+        let args = productions.iter().flat_map(|p| p.cells.iter().flatten().flat_map(|c| &c.args));
+        let own = rule.lets.iter().chain(&rule.guards).chain(&rule.weights);
+        !rule.weights.is_empty() || own.chain(args).any(changes_with_step)
     }
 
     /// The rule id that says: kept as it is, still to be looked at in the next step.
@@ -116,15 +167,21 @@ impl Stage {
         let keep = rule_word(0, 1);
         self.productions.iter().map(Production::word).chain([keep, rule_word(0, 0)]).collect()
     }
+    /// The word of the environment where the rule table begins.
+    pub fn rule_table(&self) -> usize {
+        let constants = &self.code.constants;
+        (constants.base + constants.words.len()).next_multiple_of(4)
+    }
     /// The most modules that one can become.
     pub fn max_count(&self) -> u32 {
         self.productions.iter().map(Production::count).max().unwrap_or(1).max(1)
     }
     /// The rule that fires on every module of this symbol, if the symbol alone decides.
     pub fn unconditional(&self, symbol: usize) -> Option<usize> {
-        let first = *self.by_symbol[symbol].first()?;
-        let p = &self.productions[first];
-        (p.guards.is_empty() && !p.relabels_itself()).then_some(first)
+        let rule = &self.rules[*self.by_symbol[symbol].first()?];
+        let sure = rule.guards.is_empty() && rule.weights.is_empty();
+        let first = rule.productions.start;
+        (sure && !self.productions[first].relabels_itself()).then_some(first)
     }
     /// Some module may be retired.
     pub fn may_retire(&self) -> bool {
@@ -134,7 +191,7 @@ impl Stage {
 
 fn changes_with_step(e: &Expr) -> bool {
     let mut found = false;
-    e.walk(&mut |e| found |= matches!(e.kind, ExprKind::Attribute("step")));
+    e.walk(&mut |e| found |= matches!(e.kind, ExprKind::Attribute("step") | ExprKind::Random { .. }));
     found
 }
 
@@ -168,13 +225,9 @@ impl Tables {
         }
         let symbols = builder.symbols;
         let param_words = symbols.iter().map(words_of).max().unwrap_or(0);
-        for set in &mut rule_sets {
-            for stage in &mut set.stages {
-                // Symbols of later rule sets did not exist when this stage was built.
-                stage.by_symbol.resize(symbols.len(), Vec::new());
-                stage.retires.resize(symbols.len(), stage.first);
-                stage.closed = closed_growth(stage, &symbols);
-            }
+        let (uniforms, uniform_words) = uniform_places(system);
+        for stage in rule_sets.iter_mut().flat_map(|set| &mut set.stages) {
+            stage.complete(&symbols, &uniforms, uniform_words);
         }
         Ok(Tables { layout: Layout::new(param_words, degree), symbols, rule_sets })
     }
@@ -183,6 +236,16 @@ impl Tables {
     pub fn rule_set(&self, groups: &[usize]) -> Option<usize> {
         self.rule_sets.iter().position(|s| s.groups == groups)
     }
+}
+
+/// For each uniform the word of the environment where it begins, and how many words they take.
+pub fn uniform_places(system: &System) -> (Vec<usize>, usize) {
+    let mut at = 0;
+    let starts = system.uniforms.iter().map(|u| {
+        at += u.ty.words();
+        at - u.ty.words()
+    });
+    (starts.collect(), at)
 }
 
 fn words_of(symbol: &Symbol) -> usize {
@@ -253,44 +316,57 @@ impl Builder<'_> {
     }
 
     fn rule_set(&mut self, groups: Vec<usize>) -> Result<RuleSet, Unsupported> {
-        let mut productions = Vec::new();
+        let mut rules = Vec::new();
         for &g in &groups {
             for rule in &self.system.groups[g].rules {
                 supported::rule(self.system, rule)?;
-                let production = self.production(rule)?;
-                productions.push(production);
+                rules.push(self.rule(rule)?);
             }
         }
-        let mut stages = vec![Stage::new(productions, self.symbols.len(), true)];
+        let mut stages = vec![Stage::new(rules, true)];
         while !self.pending.is_empty() {
             let waiting = std::mem::take(&mut self.pending);
-            let productions = waiting.into_iter().map(|p| self.split_pending(p)).collect();
-            stages.push(Stage::new(productions, self.symbols.len(), false));
+            stages.push(Stage::new(waiting.into_iter().map(|p| self.split_pending(p)).collect(), false));
         }
         Ok(RuleSet { groups, stages })
     }
 
-    fn production(&mut self, rule: &Rule) -> Result<Production, Unsupported> {
+    fn rule(&mut self, rule: &Rule) -> Result<(MatchRule, Vec<Production>), Unsupported> {
         let predecessor = rule.strict[0];
         let label = match &rule.label {
             Some(label) => label.clone(),
             None => format!("rule {} of {}", rule.index + 1, self.system.symbols[predecessor].name),
         };
         let resolve = |e: &Expr| by_field(e, rule);
-        let (halves, cells) = match &rule.alternatives[0].successor {
-            system::Successor::Erase => (0, Default::default()),
-            system::Successor::Relabel(m) => (0, [Some(successor(m, &resolve)), None, None, None]),
-            system::Successor::Split(b) => self.block(predecessor, b, &resolve, &label),
-            system::Successor::Modules(_) => {
-                return Err(Unsupported::new("a successor of several modules without a block", rule.span));
-            }
+        let mut productions = Vec::new();
+        for alternative in &rule.alternatives {
+            let (halves, cells) = match &alternative.successor {
+                system::Successor::Erase => (0, Default::default()),
+                system::Successor::Relabel(m) => (0, [Some(successor(m, &resolve)), None, None, None]),
+                system::Successor::Split(b) => self.block(predecessor, b, &resolve, &label),
+                system::Successor::Modules(_) => {
+                    let what = "a successor of several modules without a block";
+                    return Err(Unsupported::new(what, alternative.span));
+                }
+            };
+            productions.push(Production { rule: 0, predecessor, halves, cells, span: alternative.span });
+        }
+        let matching = MatchRule {
+            predecessor,
+            lets: rule.lets.iter().map(|l| resolve(&l.value)).collect(),
+            guards: rule.tests.iter().chain(&rule.condition).map(resolve).collect(),
+            weights: rule.alternatives.iter().filter_map(|a| a.weight.as_ref()).map(resolve).collect(),
+            productions: 0..0,
+            site: site(rule),
+            label,
+            span: rule.span,
         };
-        let guards = rule.tests.iter().chain(&rule.condition).map(resolve).collect();
-        Ok(Production { predecessor, guards, halves, cells, label, span: rule.span })
+        Ok((matching, productions))
     }
 
-    /// The cells of a block; a block inside it becomes a pending module with the predecessor's
-    /// parameters, since its expressions read these.
+    /// The cells of a block. A block inside it becomes a pending module with the predecessor's
+    /// parameters, since its expressions read these; what they read besides, and a pending module
+    /// has not (`level`, lets, random numbers), is worked out now and carried along.
     fn block(
         &mut self,
         predecessor: usize,
@@ -306,19 +382,13 @@ impl Builder<'_> {
                 system::Cell::Eps => None,
                 system::Cell::Module(m) => Some(successor(m, resolve)),
                 system::Cell::Block(inner) => {
-                    let mut inner = map_block(inner, resolve);
-                    let name = format!("{}'{}", self.symbols[predecessor].name, self.symbols.len());
+                    let inner = map_block(inner, &mut |e| resolve(e));
                     let mut fields = self.symbols[predecessor].fields.clone();
                     let mut args: Vec<Expr> =
                         (0..fields.len()).map(|f| field(f, &fields[f].ty, inner.span)).collect();
-                    // `level` is the predecessor's, not that of the pending module.
-                    if let Some(level) = find_level(&inner) {
-                        let carried = field(fields.len(), &level.ty, level.span);
-                        fields.push(Field { name: "level".to_string(), ty: level.ty.clone() });
-                        args.push(level);
-                        inner =
-                            map_block(&inner, &|e| map_expr(e, &|e| is_level(e).then(|| carried.clone())));
-                    }
+                    let own = fields.len();
+                    let inner = map_block(&inner, &mut |e| carried(e, own, &mut fields, &mut args));
+                    let name = format!("{}'{}", self.symbols[predecessor].name, self.symbols.len());
                     let symbol = self.add_symbol(name, fields, true);
                     self.pending.push(Pending { symbol, block: inner, label: label.to_string() });
                     Some(Successor { symbol, args })
@@ -328,12 +398,52 @@ impl Builder<'_> {
         (halves, cells)
     }
 
-    fn split_pending(&mut self, pending: Pending) -> Production {
+    fn split_pending(&mut self, pending: Pending) -> (MatchRule, Vec<Production>) {
         let Pending { symbol, block, label } = pending;
         let span = block.span;
         let (halves, cells) = self.block(symbol, &block, &|e| e.clone(), &label);
-        Production { predecessor: symbol, guards: Vec::new(), halves, cells, label, span }
+        let rule = MatchRule {
+            predecessor: symbol,
+            lets: Vec::new(),
+            guards: Vec::new(),
+            weights: Vec::new(),
+            productions: 0..0,
+            site: 0,
+            label,
+            span,
+        };
+        (rule, vec![Production { rule: 0, predecessor: symbol, halves, cells, span }])
     }
+}
+
+/// An argument of a cell inside a nested block: itself, if a pending module can work it out, else
+/// a field that carries it.
+fn carried(e: &Expr, own: usize, fields: &mut Vec<Field>, args: &mut Vec<Expr>) -> Expr {
+    let mut stays = true;
+    e.walk(&mut |e| {
+        stays &= match &e.kind {
+            ExprKind::Attribute(name) => *name == "step",
+            ExprKind::Let(_) | ExprKind::Random { .. } | ExprKind::Sample(..) => false,
+            _ => true,
+        }
+    });
+    if stays {
+        return e.clone();
+    }
+    let known = args[own..].iter().position(|a| a == e);
+    let at = known.map_or(fields.len(), |n| own + n);
+    if known.is_none() {
+        fields.push(Field { name: "carried".to_string(), ty: e.ty.clone() });
+        args.push(e.clone());
+    }
+    field(at, &e.ty, e.span)
+}
+
+/// Identifies the rule for random numbers: its label, or its index in the group, hashed (FNV-1a).
+fn site(rule: &Rule) -> u32 {
+    let index = (rule.index as u32).to_le_bytes();
+    let bytes = rule.label.as_ref().map_or(&index[..], |label| label.as_bytes());
+    bytes.iter().fold(0x811c_9dc5, |h, b| (h ^ *b as u32).wrapping_mul(0x0100_0193))
 }
 
 fn successor(module: &system::Module, resolve: &dyn Fn(&Expr) -> Expr) -> Successor {
@@ -361,52 +471,33 @@ fn map_expr(e: &Expr, replace: &dyn Fn(&Expr) -> Option<Expr>) -> Expr {
     if let Some(new) = replace(e) {
         return new;
     }
-    let ExprKind::Call(op, args) = &e.kind else { return e.clone() };
-    let args: Vec<Expr> = args.iter().map(|a| map_expr(a, replace)).collect();
-    // WGSL refuses constant expressions that overflow; at run time they wrap. So none are left.
-    let literals = args.iter().map(|a| match &a.kind {
-        ExprKind::Literal(value) => Some(value.clone()),
-        _ => None,
-    });
-    let literals: Option<Vec<_>> = literals.collect();
-    let kind = match literals.and_then(|values| eval::apply(*op, &values)) {
-        Some(value) => ExprKind::Literal(value),
-        None => ExprKind::Call(*op, args),
+    let one = |e: &Expr| Box::new(map_expr(e, replace));
+    let all = |list: &[Expr]| list.iter().map(|e| map_expr(e, replace)).collect();
+    let kind = match &e.kind {
+        ExprKind::Call(op, args) => ExprKind::Call(*op, all(args)),
+        ExprKind::Vector(parts) => ExprKind::Vector(all(parts)),
+        ExprKind::Component(v, n) => ExprKind::Component(one(v), *n),
+        ExprKind::Element(list, index) => ExprKind::Element(list.clone(), one(index)),
+        ExprKind::Sample(query, point) => ExprKind::Sample(*query, one(point)),
+        ExprKind::Random { function, args, site } => {
+            ExprKind::Random { function, args: all(args), site: *site }
+        }
+        leaf => leaf.clone(),
     };
     Expr { ty: e.ty.clone(), kind, span: e.span }
 }
 
-fn is_level(e: &Expr) -> bool {
-    matches!(e.kind, ExprKind::Attribute("level"))
-}
-
-/// The attribute `level`, if an expression of the block reads it.
-fn find_level(block: &system::Block) -> Option<Expr> {
-    block.cells.iter().find_map(|cell| match cell {
-        system::Cell::Eps => None,
-        system::Cell::Block(inner) => find_level(inner),
-        system::Cell::Module(m) => {
-            let mut found = None;
-            m.args
-                .iter()
-                .for_each(|a| a.walk(&mut |e| found = found.take().or(is_level(e).then(|| e.clone()))));
-            found
-        }
-    })
-}
-
-fn map_block(block: &system::Block, resolve: &dyn Fn(&Expr) -> Expr) -> system::Block {
-    let cells = block
-        .cells
-        .iter()
-        .map(|c| match c {
+fn map_block(block: &system::Block, map: &mut dyn FnMut(&Expr) -> Expr) -> system::Block {
+    let mut cells = Vec::with_capacity(block.cells.len());
+    for cell in &block.cells {
+        cells.push(match cell {
             system::Cell::Eps => system::Cell::Eps,
-            system::Cell::Module(m) => system::Cell::Module(system::Module {
-                args: m.args.iter().map(resolve).collect(),
-                ..m.clone()
-            }),
-            system::Cell::Block(b) => system::Cell::Block(map_block(b, resolve)),
-        })
-        .collect();
+            system::Cell::Module(m) => {
+                let args = m.args.iter().map(&mut *map).collect();
+                system::Cell::Module(system::Module { args, ..m.clone() })
+            }
+            system::Cell::Block(b) => system::Cell::Block(map_block(b, map)),
+        });
+    }
     system::Block { cells, ..*block }
 }

@@ -1,5 +1,7 @@
 // Operations of the table (src/language/ops.rs) that need more than an expression.
 
+import elementary;
+
 // Towards zero; x / 0 = x and the least int over -1 is itself. The divisor is replaced by hand:
 // what WGSL defines some backends leave undefined.
 fn int_div(a: i32, b: i32) -> i32 {

@@ -1,6 +1,6 @@
 //! Random expressions: awkward integers, precedence, names that hide one another.
 
-use super::system::{Dialect, Generator};
+use super::system::Generator;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Type {
@@ -126,7 +126,7 @@ impl Generator {
     fn list_element(&mut self, scope: &Scope) -> Term {
         let free = |name: &&String| !self.constants.names.iter().any(|(n, _)| n == *name);
         let indices: Vec<&String> = scope.of(Type::Int).into_iter().filter(free).collect();
-        if scope.lists.is_empty() || indices.is_empty() || self.dialect == Dialect::Derived {
+        if scope.lists.is_empty() || indices.is_empty() {
             return self.literal_term();
         }
         let (list, index) = (self.random.pick(&scope.lists), self.random.pick(&indices));

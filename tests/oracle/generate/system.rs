@@ -25,7 +25,7 @@ struct Slider {
 pub enum Dialect {
     /// All that the oracle knows.
     Whole,
-    /// What this version of the engine derives: bicubic nets, int and bool, no `let`, no lists.
+    /// What this version of the engine derives: bicubic polynomial nets.
     Derived,
 }
 
@@ -301,7 +301,7 @@ impl Generator {
         // A statement goes on before `let`, `:` and `->`.
         let gap = if self.random.chance(10) { "\n      " } else { " " };
         let mut text = format!("  {label}{pattern}");
-        if self.random.chance(15) && self.dialect == Dialect::Whole {
+        if self.random.chance(15) {
             let value = self.int(&scope, 2);
             scope.bind("x", Type::Int);
             write!(text, "{gap}let x = {}", value.text).unwrap();
@@ -387,12 +387,8 @@ impl Generator {
         }
     }
 
-    /// A number that is not whole but dyadic: compared with an int it is exact in f32 too. A whole
-    /// one where floats are not derived.
+    /// A number that is not whole but dyadic: compared with an int it is exact in f32 too.
     pub fn fraction(&mut self, scope: &Scope) -> String {
-        if self.dialect == Dialect::Derived {
-            return self.random.range(0, 3).to_string();
-        }
         if !scope.ratios.is_empty() && self.random.chance(60) {
             return self.random.pick(&scope.ratios).clone();
         }

@@ -1,0 +1,102 @@
+//! The rules' expressions as graphs, ready for either backend.
+
+use super::graph::{Constants, Graph, Names, NodeId};
+use super::tables::{MatchRule, Production, Stage, Symbol};
+use crate::language::expr::Expr;
+
+/// When a rule fires, and on which of its productions.
+#[derive(Clone, Debug, Default)]
+pub struct RuleCode {
+    pub graph: Graph,
+    /// All must be true.
+    pub guards: Vec<NodeId>,
+    /// For each production that rewrites a symbol to itself: (node, word of the record); where all
+    /// are equal, bit by bit, nothing fires.
+    pub unchanged: Vec<Option<Vec<(NodeId, usize)>>>,
+}
+
+/// The parameters of a production's children.
+#[derive(Clone, Debug, Default)]
+pub struct ChildCode {
+    pub graph: Graph,
+    /// For each cell: (node, word of the child's record).
+    pub args: [Vec<(NodeId, usize)>; 4],
+}
+
+/// The code of a stage.
+#[derive(Clone, Debug, Default)]
+pub struct StageCode {
+    /// For each rule.
+    pub rules: Vec<RuleCode>,
+    /// For each production.
+    pub children: Vec<ChildCode>,
+    /// What stands in the environment behind the uniforms.
+    pub constants: Constants,
+}
+
+impl StageCode {
+    /// `uniforms` says where each uniform begins in the environment, `base` where they end.
+    pub fn new(stage: &Stage, symbols: &[Symbol], uniforms: &[usize], base: usize) -> StageCode {
+        let mut constants = Constants { base, words: Vec::new() };
+        let mut code = StageCode::default();
+        for rule in &stage.rules {
+            let mut lower = Lower::new(rule, symbols, uniforms, &mut constants);
+            let guards = rule.guards.iter().map(|g| lower.expr(g)[0]).collect();
+            let productions = &stage.productions[rule.productions.clone()];
+            let unchanged = productions.iter().map(|p| lower.unchanged(p, symbols)).collect();
+            code.rules.push(RuleCode { graph: lower.graph, guards, unchanged });
+        }
+        for production in &stage.productions {
+            let rule = &stage.rules[production.rule];
+            let mut lower = Lower::new(rule, symbols, uniforms, &mut constants);
+            let args = std::array::from_fn(|c| match &production.cells[c] {
+                None => Vec::new(),
+                Some(s) => lower.args(&s.args, &symbols[s.symbol]),
+            });
+            code.children.push(ChildCode { graph: lower.graph, args });
+        }
+        code.constants = constants;
+        code
+    }
+}
+
+struct Lower<'a> {
+    graph: Graph,
+    names: Names<'a>,
+}
+
+impl<'a> Lower<'a> {
+    fn new(
+        rule: &'a MatchRule,
+        symbols: &'a [Symbol],
+        uniforms: &'a [usize],
+        constants: &'a mut Constants,
+    ) -> Self {
+        let fields = &symbols[rule.predecessor].words;
+        let mut lower =
+            Lower { graph: Graph::default(), names: Names { fields, uniforms, lets: Vec::new(), constants } };
+        for value in &rule.lets {
+            let value = lower.expr(value);
+            lower.names.lets.push(value);
+        }
+        lower
+    }
+
+    fn expr(&mut self, e: &Expr) -> Vec<NodeId> {
+        self.graph.lower(e, &mut self.names)
+    }
+
+    /// (node, word of the record) of a module's arguments.
+    fn args(&mut self, args: &[Expr], symbol: &Symbol) -> Vec<(NodeId, usize)> {
+        let mut list = Vec::new();
+        for (arg, &at) in args.iter().zip(&symbol.words) {
+            list.extend(self.expr(arg).into_iter().enumerate().map(|(n, node)| (node, at + n)));
+        }
+        list
+    }
+
+    fn unchanged(&mut self, production: &Production, symbols: &[Symbol]) -> Option<Vec<(NodeId, usize)>> {
+        let cell = production.cells[0].as_ref().filter(|_| production.relabels_itself())?;
+        Some(self.args(&cell.args, &symbols[cell.symbol]))
+    }
+}

@@ -1,0 +1,347 @@
+//! Expressions as graphs of scalars.
+//!
+//! Both backends run what stands here: every node is one 4-byte word made by one row of the table
+//! of operations, vectors are their components, and sums of products are spelled out from left to
+//! right. So there is one place where a vector operation gets its order, and equal nodes are one.
+
+use crate::language::expr::{Expr, ExprKind, Type, Value};
+use crate::language::ops::{self, Op};
+use std::collections::HashMap;
+
+/// Index of a node.
+pub type NodeId = usize;
+
+/// What a scalar is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Scalar {
+    Bool,
+    Int,
+    Float,
+}
+
+impl Scalar {
+    /// The components of a type.
+    pub fn of(ty: &Type) -> Scalar {
+        match ty {
+            Type::Bool => Scalar::Bool,
+            Type::Int => Scalar::Int,
+            Type::Float | Type::Vec2 | Type::Vec3 | Type::Vec4 => Scalar::Float,
+            Type::List(element, _) => Scalar::of(element),
+        }
+    }
+}
+
+/// One scalar.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Node {
+    Literal(Scalar, u32),
+    /// A word of the predecessor's record.
+    Field(Scalar, usize),
+    /// A word of the environment.
+    Uniform(Scalar, usize),
+    /// The greater of the halvings along u and v.
+    Level,
+    /// Steps done in this derive.
+    Step,
+    /// An element of a list in the environment: its first word, words an element, elements; the
+    /// index is clamped.
+    Element {
+        ty: Scalar,
+        base: usize,
+        stride: usize,
+        length: usize,
+        index: NodeId,
+    },
+    Call(Op, [NodeId; 3]),
+}
+
+/// A graph; a node's arguments stand before it.
+#[derive(Clone, Debug, Default)]
+pub struct Graph {
+    pub nodes: Vec<Node>,
+    known: HashMap<Node, NodeId>,
+}
+
+/// Where the things that an expression names stand.
+pub struct Names<'a> {
+    /// For each field of the predecessor the word of the record where it begins.
+    pub fields: &'a [usize],
+    /// For each uniform the word of the environment where it begins.
+    pub uniforms: &'a [usize],
+    /// The components of the lets lowered so far.
+    pub lets: Vec<Vec<NodeId>>,
+    /// Words of constants in the environment, behind the uniforms.
+    pub constants: &'a mut Constants,
+}
+
+/// Constants that stand in the environment: lists, which are indexed at run time, and float
+/// literals that are no power of two, since a compiler that knows two of them in a chain may
+/// reassociate it.
+#[derive(Clone, Debug, Default)]
+pub struct Constants {
+    /// The word where they begin.
+    pub base: usize,
+    pub words: Vec<u32>,
+}
+
+impl Constants {
+    /// The place of these words, shared with what is there already.
+    fn place(&mut self, words: &[u32]) -> usize {
+        let found = self.words.windows(words.len().max(1)).position(|w| w == words);
+        let at = found.unwrap_or(self.words.len());
+        if found.is_none() {
+            self.words.extend(words);
+        }
+        self.base + at
+    }
+}
+
+impl Graph {
+    fn push(&mut self, node: Node) -> NodeId {
+        let next = self.nodes.len();
+        *self.known.entry(node).or_insert_with(|| {
+            self.nodes.push(node);
+            next
+        })
+    }
+
+    /// A call of the row that takes these scalars; the checker's table has all that are asked for.
+    fn call(&mut self, name: &str, ty: &[Type], args: &[NodeId]) -> NodeId {
+        match ops::find(name, ty) {
+            Ok(op) => self.call_op(op, args),
+            Err(_) => unreachable!("the table has a row {name} of {ty:?}"),
+        }
+    }
+
+    fn call_op(&mut self, op: Op, args: &[NodeId]) -> NodeId {
+        // Constants are folded: WGSL refuses constant expressions that overflow.
+        let literals: Option<Vec<u32>> = args.iter().map(|&a| self.literal(a)).collect();
+        if let Some(words) = literals
+            && let Some(word) = op.row().cpu.and_then(|cpu| cpu.word(&words))
+        {
+            return self.push(Node::Literal(Scalar::of(&op.row().result), word));
+        }
+        let mut list = [0; 3];
+        list[..args.len()].copy_from_slice(args);
+        self.push(Node::Call(op, list))
+    }
+
+    fn literal(&self, id: NodeId) -> Option<u32> {
+        match self.nodes[id] {
+            Node::Literal(_, word) => Some(word),
+            _ => None,
+        }
+    }
+
+    /// What the node is.
+    pub fn scalar(&self, id: NodeId) -> Scalar {
+        match self.nodes[id] {
+            Node::Literal(ty, _) | Node::Field(ty, _) | Node::Uniform(ty, _) => ty,
+            Node::Element { ty, .. } => ty,
+            Node::Level | Node::Step => Scalar::Int,
+            Node::Call(op, _) => Scalar::of(&op.row().result),
+        }
+    }
+
+    /// The nodes that a node reads.
+    pub fn args(&self, id: NodeId) -> Vec<NodeId> {
+        match self.nodes[id] {
+            Node::Call(op, args) => args[..op.row().args.len()].to_vec(),
+            Node::Element { index, .. } => vec![index],
+            _ => Vec::new(),
+        }
+    }
+
+    /// The components of an expression.
+    pub fn lower(&mut self, e: &Expr, names: &mut Names) -> Vec<NodeId> {
+        let ty = Scalar::of(&e.ty);
+        let words = e.ty.words();
+        match &e.kind {
+            ExprKind::Literal(value) => {
+                value.words().into_iter().map(|w| self.push(Node::Literal(ty, w))).collect()
+            }
+            ExprKind::Binder(n) => {
+                let at = names.fields[*n];
+                (at..at + words).map(|w| self.push(Node::Field(ty, w))).collect()
+            }
+            ExprKind::Uniform(n) => {
+                let at = names.uniforms[*n];
+                (at..at + words).map(|w| self.push(Node::Uniform(ty, w))).collect()
+            }
+            ExprKind::Let(n) => names.lets[*n].clone(),
+            ExprKind::Attribute("step") => vec![self.push(Node::Step)],
+            // `plan::supported` has refused the others.
+            ExprKind::Attribute(_) => vec![self.push(Node::Level)],
+            ExprKind::Component(v, n) => vec![self.lower(v, names)[*n]],
+            ExprKind::Vector(parts) => parts.iter().flat_map(|p| self.lower(p, names)).collect(),
+            ExprKind::Element(list, index) => self.element(list, index, names),
+            ExprKind::Call(op, args) => {
+                let lowered: Vec<Vec<NodeId>> = args.iter().map(|a| self.lower(a, names)).collect();
+                self.expand(*op, &lowered, names)
+            }
+            ExprKind::Random { .. } | ExprKind::Sample(..) => vec![self.push(Node::Literal(ty, 0)); words],
+        }
+    }
+
+    fn element(&mut self, list: &[Value], index: &Expr, names: &mut Names) -> Vec<NodeId> {
+        let index = self.lower(index, names)[0];
+        let words: Vec<u32> = list.iter().flat_map(Value::words).collect();
+        let stride = words.len() / list.len().max(1);
+        let base = names.constants.place(&words);
+        let ty = list.first().map_or(Scalar::Float, |v| Scalar::of(&v.ty()));
+        let length = list.len();
+        (0..stride).map(|n| self.push(Node::Element { ty, base: base + n, stride, length, index })).collect()
+    }
+
+    /// A float literal that is no power of two goes to the environment when it meets a float that
+    /// is no constant.
+    fn operand(&mut self, id: NodeId, names: &mut Names) -> NodeId {
+        match self.nodes[id] {
+            Node::Literal(Scalar::Float, word) if word & 0x007f_ffff != 0 => {
+                let at = names.constants.place(&[word]);
+                self.push(Node::Uniform(Scalar::Float, at))
+            }
+            _ => id,
+        }
+    }
+
+    /// An operation as rows of scalars.
+    fn expand(&mut self, op: Op, args: &[Vec<NodeId>], names: &mut Names) -> Vec<NodeId> {
+        let row = op.row();
+        if row.cpu.is_some() {
+            let constant = args.iter().all(|a| self.literal(a[0]).is_some());
+            let operands: Vec<NodeId> =
+                args.iter().map(|a| if constant { a[0] } else { self.operand(a[0], names) }).collect();
+            return vec![self.call_op(op, &operands)];
+        }
+        let args: Vec<Vec<NodeId>> =
+            args.iter().map(|list| list.iter().map(|&a| self.operand(a, names)).collect()).collect();
+        self.expand_vector(row.name, &args)
+    }
+
+    fn expand_vector(&mut self, name: &str, args: &[Vec<NodeId>]) -> Vec<NodeId> {
+        match (name, args) {
+            ("fract", [v]) => v.iter().map(|&x| self.fract(x)).collect(),
+            ("%", [a, b]) => vec![self.remainder(a[0], b[0])],
+            ("mix", [a, b, t]) => (0..a.len()).map(|i| self.mix(a[i], b[i], t[0])).collect(),
+            ("smoothstep", [low, high, x]) => vec![self.smoothstep(low[0], high[0], x[0])],
+            ("dot", [a, b]) => vec![self.dot(a, b)],
+            ("length", [v]) => vec![self.length(v)],
+            ("distance", [a, b]) => {
+                let difference = self.each("-", &[a.clone(), b.clone()]);
+                vec![self.length(&difference)]
+            }
+            ("normalize", [v]) => {
+                let length = self.length(v);
+                v.iter().map(|&x| self.float("/", &[x, length])).collect()
+            }
+            ("noise", [p]) => vec![self.float("noise #", &[p[0], p[1], p[2]])],
+            ("cross", [a, b]) if a.len() == 2 => vec![self.minor(a, b, 0, 1)],
+            ("cross", [a, b]) => [(1, 2), (2, 0), (0, 1)].map(|(i, j)| self.minor(a, b, i, j)).to_vec(),
+            ("rotate", [v, angle]) => self.rotate_plane(v, angle[0]),
+            ("rotate", [v, axis, angle]) => self.rotate_about(v, axis, angle[0]),
+            ("if", [condition, a, b]) => {
+                let types = [Type::Bool, Type::Float, Type::Float];
+                (0..a.len()).map(|i| self.call("if", &types, &[condition[0], a[i], b[i]])).collect()
+            }
+            _ => self.each(name, args),
+        }
+    }
+
+    /// The scalar row for each component; a single number goes with every component.
+    fn each(&mut self, name: &str, args: &[Vec<NodeId>]) -> Vec<NodeId> {
+        let length = args.iter().map(Vec::len).max().unwrap_or(0);
+        let pick = |i: usize| -> Vec<NodeId> { args.iter().map(|a| a[i.min(a.len() - 1)]).collect() };
+        (0..length).map(|i| self.float(name, &pick(i))).collect()
+    }
+
+    fn float(&mut self, name: &str, args: &[NodeId]) -> NodeId {
+        let types = vec![Type::Float; args.len()];
+        self.call(name, &types, args)
+    }
+
+    fn number(&mut self, x: f32) -> NodeId {
+        self.push(Node::Literal(Scalar::Float, x.to_bits()))
+    }
+
+    fn fract(&mut self, x: NodeId) -> NodeId {
+        let floor = self.float("floor", &[x]);
+        self.float("-", &[x, floor])
+    }
+
+    /// a − b·trunc(a / b)
+    fn remainder(&mut self, a: NodeId, b: NodeId) -> NodeId {
+        let quotient = self.float("/", &[a, b]);
+        let whole = self.float("trunc", &[quotient]);
+        let product = self.float("*", &[b, whole]);
+        self.float("-", &[a, product])
+    }
+
+    /// a·(1 − t) + b·t
+    fn mix(&mut self, a: NodeId, b: NodeId, t: NodeId) -> NodeId {
+        let one = self.number(1.0);
+        let rest = self.float("-", &[one, t]);
+        let (first, second) = (self.float("*", &[a, rest]), self.float("*", &[b, t]));
+        self.float("+", &[first, second])
+    }
+
+    /// t·t·(3 − 2t) with t = clamp((x − low) / (high − low), 0, 1)
+    fn smoothstep(&mut self, low: NodeId, high: NodeId, x: NodeId) -> NodeId {
+        let (above, width) = (self.float("-", &[x, low]), self.float("-", &[high, low]));
+        let ratio = self.float("/", &[above, width]);
+        let (zero, one) = (self.number(0.0), self.number(1.0));
+        let t = self.float("clamp", &[ratio, zero, one]);
+        let (two, three) = (self.number(2.0), self.number(3.0));
+        let twice = self.float("*", &[two, t]);
+        let rest = self.float("-", &[three, twice]);
+        let square = self.float("*", &[t, t]);
+        self.float("*", &[square, rest])
+    }
+
+    /// Products summed from left to right.
+    fn dot(&mut self, a: &[NodeId], b: &[NodeId]) -> NodeId {
+        let products: Vec<NodeId> = a.iter().zip(b).map(|(&x, &y)| self.float("*", &[x, y])).collect();
+        products.into_iter().reduce(|sum, p| self.float("+", &[sum, p])).unwrap_or(0)
+    }
+
+    fn length(&mut self, v: &[NodeId]) -> NodeId {
+        let square = self.dot(v, v);
+        self.float("sqrt", &[square])
+    }
+
+    fn minor(&mut self, a: &[NodeId], b: &[NodeId], i: usize, j: usize) -> NodeId {
+        let (first, second) = (self.float("*", &[a[i], b[j]]), self.float("*", &[a[j], b[i]]));
+        self.float("-", &[first, second])
+    }
+
+    fn sine_and_cosine(&mut self, degrees: NodeId) -> (NodeId, NodeId) {
+        let angle = self.float("radians", &[degrees]);
+        (self.float("sin", &[angle]), self.float("cos", &[angle]))
+    }
+
+    fn rotate_plane(&mut self, v: &[NodeId], degrees: NodeId) -> Vec<NodeId> {
+        let (sin, cos) = self.sine_and_cosine(degrees);
+        let (xc, ys) = (self.float("*", &[v[0], cos]), self.float("*", &[v[1], sin]));
+        let (xs, yc) = (self.float("*", &[v[0], sin]), self.float("*", &[v[1], cos]));
+        vec![self.float("-", &[xc, ys]), self.float("+", &[xs, yc])]
+    }
+
+    /// Rodrigues: v·cos + (k × v)·sin + k·(k·v)·(1 − cos)
+    fn rotate_about(&mut self, v: &[NodeId], axis: &[NodeId], degrees: NodeId) -> Vec<NodeId> {
+        let (sin, cos) = self.sine_and_cosine(degrees);
+        let length = self.length(axis);
+        let k: Vec<NodeId> = axis.iter().map(|&x| self.float("/", &[x, length])).collect();
+        let side = [(1, 2), (2, 0), (0, 1)].map(|(i, j)| self.minor(&k, v, i, j));
+        let one = self.number(1.0);
+        let rest = self.float("-", &[one, cos]);
+        let dot = self.dot(&k, v);
+        let along = self.float("*", &[dot, rest]);
+        let component = |graph: &mut Graph, i: usize| {
+            let (a, b) = (graph.float("*", &[v[i], cos]), graph.float("*", &[side[i], sin]));
+            let c = graph.float("*", &[k[i], along]);
+            let sum = graph.float("+", &[a, b]);
+            graph.float("+", &[sum, c])
+        };
+        (0..3).map(|i| component(self, i)).collect()
+    }
+}
