@@ -1,7 +1,7 @@
 //! burgeon refines and grows geometry by parallel rewriting: rules, written as text, say what replaces
 //! a point of a curve, a control net of a surface or a face of a mesh, and every one of them is
 //! rewritten at once, step by step. The rules are compiled to tables and WGSL and run as compute
-//! kernels on any [wgpu](https://docs.rs/wgpu) device; a CPU backend runs the same plan to the same bits.
+//! kernels on any [wgpu](https://docs.rs/wgpu) device; a CPU backend runs the same plan.
 //! What comes out stays in GPU buffers or is read back as a [`Word`](patch::Word) of control nets, ready
 //! to be tessellated.
 //!
@@ -56,14 +56,15 @@
 //! let (word, derivation) = gpu::derive(&engine, &plan, &axiom, &Options::default())?;
 //! assert_eq!(word.modules.len(), 81);
 //! for chunk in &derivation.chunks {
-//!     let (records, nets) = (chunk.records(), chunk.nets()); // storage buffers, never copied
+//!     let (records, nets) = (chunk.records(), chunk.nets()); // buffers, still on the device
 //! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
 //! The engine needs no feature of the device and only WebGPU's default limits. How records and nets lie
-//! in memory is told in [`plan::layout`]. CPU and GPU give the same word, bit for bit;
-//! `burgeon compare` shows it for your file and your device.
+//! in memory is told in [`plan::layout`]; the order of the word is in the records' keys, not in the order of
+//! the chunks. CPU and GPU give the same word, bit for bit on every device tried so far, and
+//! `burgeon compare` checks it for your file on yours.
 //!
 //! # Where to look next
 //!
@@ -83,8 +84,8 @@
 //! | `gpu` | yes | `gpu` (the engine) and `render` (pictures). Without it the crate holds no wgpu |
 //! | `cli` | yes | the command `burgeon` |
 //!
-//! A library takes `default-features = false, features = ["gpu"]`. [`wgpu`] is re-exported, so that
-//! both sides speak of the same device.
+//! A library takes `default-features = false, features = ["gpu"]`. `burgeon::wgpu` is the
+//! wgpu it is built with, so that both sides speak of the same device.
 //!
 //! # Conventions
 //!
