@@ -9,6 +9,7 @@ use burgeon::language::vocabulary::Vocabulary;
 use burgeon::patch::{Axiom, Net};
 use burgeon::plan::Plan;
 use burgeon::plan::derive::{Backend, Outcome, StageId};
+use burgeon::plan::step::Clock;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
 
@@ -36,7 +37,7 @@ fn step(c: &mut Criterion) {
         let chunk = cpu.upload(records, nets).expect("a chunk");
         group.throughput(Throughput::Bytes(5 * NETS as u64 * plan.tables.layout.module_bytes()));
         group.bench_function(name, |b| {
-            b.iter(|| match cpu.step(FIRST, 0, &chunk, u64::MAX) {
+            b.iter(|| match cpu.step(FIRST, Clock::default(), &chunk, u64::MAX) {
                 Ok(Outcome::Done { next: Some(next), .. }) => cpu.recycle(next),
                 _ => panic!("the step makes modules"),
             })

@@ -61,7 +61,7 @@ pub fn matching(stage: &Stage) -> Text {
         for &id in ids {
             let rule = &stage.rules[id];
             try_rule(&mut text, rule, &stage.code.rules[id], idle);
-            decided = rule.guards.is_empty();
+            decided = stage.code.rules[id].guards.is_empty();
             if decided {
                 break;
             }
@@ -79,23 +79,37 @@ pub fn matching(stage: &Stage) -> Text {
 }
 
 fn try_rule(text: &mut Text, rule: &MatchRule, code: &RuleCode, idle: u32) {
-    let used = code.unchanged.iter().flatten().flatten().map(|u| u.0).chain(code.guards.iter().copied());
+    let args = code.unchanged.iter().flatten().flatten().map(|u| u.0);
+    let used = args.chain(code.guards.iter().copied()).chain(code.choice);
     let values = Values::new(text, &code.graph, used, "      ", rule.span);
-    let guarded = !rule.guards.is_empty();
+    let guarded = !code.guards.is_empty();
     let mut indent = "      ".to_string();
     if guarded {
         let guards: Vec<String> = code.guards.iter().map(|&g| values.text(g)).collect();
         text.of_rule(format!("{indent}if {} {{", guards.join(" && ")), rule.span);
         indent.push_str("  ");
     }
-    let id = rule.productions.start;
-    match &code.unchanged[0] {
-        None => text.of_rule(format!("{indent}return {id}u;"), rule.span),
-        Some(args) => {
-            let same = args.iter().map(|&(node, at)| format!("{} == {}", values.word(node), lane(at)));
-            let same: Vec<String> = same.collect();
-            let same = if same.is_empty() { "true".to_string() } else { same.join(" && ") };
-            text.of_rule(format!("{indent}return select({id}u, {idle}u, {same});"), rule.span);
+    let first = rule.productions.start;
+    let drawn = code.choice.map(|choice| values.text(choice));
+    let id = match &drawn {
+        None => format!("{first}u"),
+        Some(drawn) => format!("{first}u + u32({drawn})"),
+    };
+    let unchanged = code.unchanged.iter().enumerate();
+    let idle_if: Vec<String> = unchanged
+        .filter_map(|(n, args)| {
+            let same =
+                args.as_ref()?.iter().map(|&(node, at)| format!("{} == {}", values.word(node), lane(at)));
+            let drawn = drawn.iter().map(|drawn| format!("{drawn} == {n}i"));
+            let all: Vec<String> = drawn.chain(same).collect();
+            Some(if all.is_empty() { "true".to_string() } else { format!("({})", all.join(" && ")) })
+        })
+        .collect();
+    match idle_if.is_empty() {
+        true => text.of_rule(format!("{indent}return {id};"), rule.span),
+        false => {
+            let line = format!("{indent}return select({id}, {idle}u, {});", idle_if.join(" || "));
+            text.of_rule(line, rule.span);
         }
     }
     if guarded {
@@ -189,6 +203,8 @@ impl<'a> Values<'a> {
             Node::Field(ty, at) => from_word(ty, &lane(at)),
             Node::Uniform(ty, at) => from_word(ty, &format!("uniform_word({at}u)")),
             Node::Step => "i32(extent.step)".to_string(),
+            Node::RunStep => "bitcast<i32>(extent.run_step)".to_string(),
+            Node::Seed => "bitcast<i32>(extent.seed)".to_string(),
             Node::Level => "i32(level_of(m))".to_string(),
             Node::Element { ty, base, stride, length, index } => {
                 let last = length.saturating_sub(1);

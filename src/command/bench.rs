@@ -9,6 +9,7 @@ use burgeon::language::check::compile;
 use burgeon::language::vocabulary::Vocabulary;
 use burgeon::patch::{self, Axiom, Net, Root};
 use burgeon::plan::derive::{self, Backend, StageId};
+use burgeon::plan::step::Clock;
 use burgeon::plan::{Options, Plan};
 use burgeon::{codegen, cpu};
 use std::path::Path;
@@ -213,7 +214,7 @@ fn step_case<'a, B: Backend + 'a>(
     let id = StageId { rule_set: 0, stage: 0 };
     let run = move || {
         let start = Instant::now();
-        let outcome = backend.step(id, 0, &chunk, u64::MAX).map_err(fail)?;
+        let outcome = backend.step(id, Clock::default(), &chunk, u64::MAX).map_err(fail)?;
         backend.finish().map_err(fail)?;
         let time = start.elapsed();
         match outcome {
@@ -308,7 +309,7 @@ fn last_step_case<'a, B: Backend + 'a>(
         let mut made = Vec::new();
         for chunk in &before.chunks {
             let id = StageId { rule_set: 0, stage: 0 };
-            match backend.step(id, 0, chunk, u64::MAX).map_err(fail)? {
+            match backend.step(id, Clock::default(), chunk, u64::MAX).map_err(fail)? {
                 derive::Outcome::Done { next: Some(next), .. } => made.push(next),
                 _ => return Err(Failure::Device("error: patch/derive made no modules".to_string())),
             }

@@ -37,6 +37,7 @@ pub fn run(flags: &flags::Run) -> Result<(), Failure> {
 pub fn options<'a>(flags: &flags::Derive, progress: &'a dyn Fn(Progress)) -> Options<'a> {
     Options {
         set: flags.set.clone(),
+        seed: 0,
         steps: flags.steps,
         max_bytes: flags.max_memory.unwrap_or_else(load::half_of_memory),
         chunk_modules: None,

@@ -57,8 +57,9 @@ fn match_block(stage: &Stage, block: &Input, rules: &mut [u32], registers: &mut 
         program::run(&code.graph, block, registers);
         for (i, id) in rules.iter_mut().enumerate() {
             if *id == UNDECIDED && symbol(i) == predecessor && holds(code, registers, i) {
-                let idle = unchanged(code, 0, registers, block.record(i), i);
-                *id = if idle { stage.idle(predecessor) } else { rule.productions.start as u32 };
+                let drawn = code.choice.map_or(0, |choice| registers.column(choice)[i]);
+                let idle = unchanged(code, drawn as usize, registers, block.record(i), i);
+                *id = if idle { stage.idle(predecessor) } else { rule.productions.start as u32 + drawn };
             }
         }
     }

@@ -18,7 +18,7 @@ use crate::patch;
 use crate::plan::compare::{Trace, Traced};
 use crate::plan::derive::{self, Backend, Modules, Options, Outcome, StageId};
 use crate::plan::layout::Layout;
-use crate::plan::step::Status;
+use crate::plan::step::{Clock, Status};
 use crate::plan::tables::Stage;
 use crate::plan::{Error, Plan};
 use std::collections::HashMap;
@@ -79,7 +79,7 @@ impl<'a> Cpu<'a> {
         id: StageId,
         environment: &[u32],
         columns: &mut Columns,
-        step: u32,
+        clock: Clock,
         chunk: &Chunk,
         room: u64,
     ) -> Outcome<Chunk> {
@@ -89,7 +89,7 @@ impl<'a> Cpu<'a> {
             records: &chunk.records[..chunk.len * layout.record_words],
             layout,
             environment,
-            step,
+            clock,
         };
         let n = chunk.len;
         let words = stage.rule_words();
@@ -232,14 +232,14 @@ impl Backend for Cpu<'_> {
         Ok(())
     }
 
-    fn step(&mut self, id: StageId, step: u32, chunk: &Chunk, room: u64) -> Result<Outcome<Chunk>, Error> {
+    fn step(&mut self, id: StageId, clock: Clock, chunk: &Chunk, room: u64) -> Result<Outcome<Chunk>, Error> {
         let environment = match self.environments.remove(&id) {
             Some(environment) => environment,
             None => self.plan.environment(id.of(self.plan), &self.uniforms),
         };
         let mut columns = std::mem::take(&mut self.columns);
         columns.clear();
-        let outcome = self.sweep(id, &environment, &mut columns, step, chunk, room);
+        let outcome = self.sweep(id, &environment, &mut columns, clock, chunk, room);
         if let Some(trace) = &mut self.trace {
             *trace = Trace {
                 rules: columns.rules.clone(),

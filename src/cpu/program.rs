@@ -6,6 +6,7 @@ use super::BLOCK;
 use crate::language::ops::Cpu;
 use crate::plan::graph::{Graph, Node};
 use crate::plan::layout::Layout;
+use crate::plan::step::Clock;
 
 /// What the passes read of a chunk, beside its nets.
 #[derive(Clone, Copy)]
@@ -14,8 +15,7 @@ pub struct Input<'a> {
     pub layout: Layout,
     /// The stage's environment: uniforms, constants, rule table.
     pub environment: &'a [u32],
-    /// The attribute `step`.
-    pub step: u32,
+    pub clock: Clock,
 }
 
 impl<'a> Input<'a> {
@@ -63,7 +63,9 @@ pub fn run(graph: &Graph, block: &Input, registers: &mut Registers) {
         match *node {
             Node::Literal(_, word) => out.fill(word),
             Node::Uniform(_, at) => out.fill(block.environment[at]),
-            Node::Step => out.fill(block.step),
+            Node::Step => out.fill(block.clock.step),
+            Node::RunStep => out.fill(block.clock.run_step),
+            Node::Seed => out.fill(block.clock.seed),
             Node::Field(_, at) => {
                 let column = block.records.iter().skip(at).step_by(words);
                 out.iter_mut().zip(column).for_each(|(o, w)| *o = *w);

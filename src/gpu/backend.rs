@@ -13,7 +13,7 @@ use crate::plan::Plan;
 use crate::plan::compare::{Trace, Traced};
 use crate::plan::derive::{self, Backend, Modules, Options, Outcome, StageId};
 use crate::plan::layout::{Layout, MAX_HALVINGS};
-use crate::plan::step::{Extent, Status};
+use crate::plan::step::{Clock, Extent, Status};
 use crate::plan::tables::Stage;
 use std::collections::HashMap;
 
@@ -179,13 +179,13 @@ impl<'a> Gpu<'a> {
     fn totals(
         &mut self,
         id: StageId,
-        step: u32,
+        clock: Clock,
         chunk: &GpuChunk,
         columns: &Columns,
     ) -> Result<Totals, Error> {
         let stage: &Stage = id.of(self.plan);
         let n = chunk.len as u64;
-        self.write_extent(0, Extent { count: n as u32, step, capacity: 0, wanted: stage.retired() });
+        self.write_extent(0, Extent { count: n as u32, wanted: stage.retired(), clock, ..Extent::default() });
         self.engine.queue.write_buffer(&self.status, 0, bytemuck::bytes_of(&Status::default()));
         let mut encoder = self.encoder("burgeon match, count, scan");
         let tuning = *self.engine.tuning();
@@ -245,7 +245,7 @@ impl<'a> Gpu<'a> {
     fn write(
         &mut self,
         id: StageId,
-        step: u32,
+        clock: Clock,
         chunk: &GpuChunk,
         columns: &Columns,
         next: Option<&GpuChunk>,
@@ -254,7 +254,7 @@ impl<'a> Gpu<'a> {
         let layout = self.layout();
         let n = chunk.len as u64;
         let tuning = *self.engine.tuning();
-        let fresh = |len: usize| Extent { count: n as u32, step, capacity: len as u32, wanted: 0 };
+        let fresh = |len: usize| Extent { count: n as u32, capacity: len as u32, clock, ..Extent::default() };
         let mut encoder = self.encoder("burgeon emit, retire");
         {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
@@ -309,7 +309,7 @@ impl<'a> Gpu<'a> {
     fn sweep(
         &mut self,
         id: StageId,
-        step: u32,
+        clock: Clock,
         chunk: &GpuChunk,
         columns: &Columns,
         room: u64,
@@ -321,7 +321,7 @@ impl<'a> Gpu<'a> {
                 modules: chunk.len * growth as usize,
                 retired: 0,
             },
-            None => self.totals(id, step, chunk, columns)?,
+            None => self.totals(id, clock, chunk, columns)?,
         };
         if totals.status.too_deep != 0 {
             return Ok(Outcome::TooDeep);
@@ -338,7 +338,7 @@ impl<'a> Gpu<'a> {
         if may_be_too_deep {
             self.engine.queue.write_buffer(&self.status, 0, bytemuck::bytes_of(&Status::default()));
         }
-        self.write(id, step, chunk, columns, next.as_ref(), finished.as_ref());
+        self.write(id, clock, chunk, columns, next.as_ref(), finished.as_ref());
         if may_be_too_deep && self.read_status()?.too_deep != 0 {
             return Ok(Outcome::TooDeep);
         }
@@ -444,7 +444,7 @@ impl Backend for Gpu<'_> {
     fn step(
         &mut self,
         id: StageId,
-        step: u32,
+        clock: Clock,
         chunk: &GpuChunk,
         room: u64,
     ) -> Result<Outcome<GpuChunk>, Error> {
@@ -454,7 +454,7 @@ impl Backend for Gpu<'_> {
             let n = chunk.len as u64;
             // Where the growth is closed no column is read: any buffer will do.
             let columns = self.columns(if id.of(self.plan).closed.is_some() { 1 } else { n });
-            let outcome = self.sweep(id, step, chunk, &columns, room)?;
+            let outcome = self.sweep(id, clock, chunk, &columns, room)?;
             if let Outcome::Done { retired, .. } = &outcome {
                 let retired = retired.as_ref().map_or(0, |r| r.0.len);
                 self.keep_trace(id, n, retired, &columns)?;

@@ -193,6 +193,14 @@ pub fn hash(state: u32, word: u32) -> u32 {
     h ^ h >> 16
 }
 
+/// The upper word of a · b: a spread over 0 … b − 1.
+pub fn scale(a: u32, b: u32) -> u32 {
+    let (ah, al, bh, bl) = (a >> 16, a & 0xffff, b >> 16, b & 0xffff);
+    let middle = ah * bl + (al * bl >> 16);
+    let other = al * bh + (middle & 0xffff);
+    ah * bh + (middle >> 16) + (other >> 16)
+}
+
 /// The upper 24 bits as a number in [0, 1).
 pub fn unit(h: u32) -> f32 {
     (h >> 8) as f32 * 5.960_464_5e-8

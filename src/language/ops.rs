@@ -296,6 +296,7 @@ pub static TABLE: &[Row] = table! {
         "step" (edge: Float, x: Float) -> Float, "select(1.0, 0.0, {1} < {0})", if x < edge { 0.0 } else { 1.0 }, "0 below the edge, 1 from it on.";
         "noise #" (x: Float, y: Float, z: Float) -> Float, "gradient_noise({0}, {1}, {2})", elementary::noise(x, y, z), "Gradient noise by components; written `noise(p)`.";
         "hash #" (state: Int, word: Int) -> Int, "bitcast<i32>(hash_word(bitcast<u32>({0}), bitcast<u32>({1})))", elementary::hash(state as u32, word as u32) as i32, "Mixes a word into a hash; behind `rand`.";
+        "scale #" (hash: Int, total: Int) -> Int, "bitcast<i32>(scale_word(bitcast<u32>({0}), bitcast<u32>({1})))", elementary::scale(hash as u32, total as u32) as i32, "A hash spread over 0 to total - 1; behind the draw among alternatives.";
         "unit #" (hash: Int) -> Float, "unit_of_hash(bitcast<u32>({0}))", elementary::unit(hash as u32), "The upper 24 bits of a hash as a number in [0, 1).";
         "slices #" (hash: Int) -> Int, "i32((bitcast<u32>({0}) >> 16u) + (bitcast<u32>({0}) & 0xffffu))", ((hash as u32 >> 16) + (hash as u32 & 0xffff)) as i32, "The sum of the two halves of a hash; behind `randn`.";
     }

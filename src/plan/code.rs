@@ -10,6 +10,8 @@ pub struct RuleCode {
     pub graph: Graph,
     /// All must be true.
     pub guards: Vec<NodeId>,
+    /// Which of its productions is drawn, counted from 0; absent where it has one.
+    pub choice: Option<NodeId>,
     /// For each production that rewrites a symbol to itself: (node, word of the record); where all
     /// are equal, bit by bit, nothing fires.
     pub unchanged: Vec<Option<Vec<(NodeId, usize)>>>,
@@ -41,10 +43,14 @@ impl StageCode {
         let mut code = StageCode::default();
         for rule in &stage.rules {
             let mut lower = Lower::new(rule, symbols, uniforms, &mut constants);
-            let guards = rule.guards.iter().map(|g| lower.expr(g)[0]).collect();
+            let mut guards: Vec<NodeId> = rule.guards.iter().map(|g| lower.expr(g)[0]).collect();
+            let choice = lower.choice(rule).map(|(any, index)| {
+                guards.push(any);
+                index
+            });
             let productions = &stage.productions[rule.productions.clone()];
             let unchanged = productions.iter().map(|p| lower.unchanged(p, symbols)).collect();
-            code.rules.push(RuleCode { graph: lower.graph, guards, unchanged });
+            code.rules.push(RuleCode { graph: lower.graph, guards, choice, unchanged });
         }
         for production in &stage.productions {
             let rule = &stage.rules[production.rule];
@@ -73,8 +79,10 @@ impl<'a> Lower<'a> {
         constants: &'a mut Constants,
     ) -> Self {
         let fields = &symbols[rule.predecessor].words;
-        let mut lower =
-            Lower { graph: Graph::default(), names: Names { fields, uniforms, lets: Vec::new(), constants } };
+        let mut lower = Lower {
+            graph: Graph::default(),
+            names: Names { fields, uniforms, lets: Vec::new(), site: rule.site, constants },
+        };
         for value in &rule.lets {
             let value = lower.expr(value);
             lower.names.lets.push(value);
@@ -84,6 +92,15 @@ impl<'a> Lower<'a> {
 
     fn expr(&mut self, e: &Expr) -> Vec<NodeId> {
         self.graph.lower(e, &mut self.names)
+    }
+
+    /// Whether any weight is positive, and the index drawn.
+    fn choice(&mut self, rule: &MatchRule) -> Option<(NodeId, NodeId)> {
+        if rule.weights.is_empty() {
+            return None;
+        }
+        let weights: Vec<NodeId> = rule.weights.iter().map(|w| self.expr(w)[0]).collect();
+        Some(self.graph.choice(&weights, rule.site))
     }
 
     /// (node, word of the record) of a module's arguments.

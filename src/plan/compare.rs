@@ -1,6 +1,7 @@
 //! Two backends in lockstep: every column of every pass compared.
 
 use super::derive::{Backend, Modules, Outcome, StageId};
+use super::step::Clock;
 
 /// What the passes of one sweep wrote, for comparison: the columns of [`super::step::Column`].
 /// Columns of passes that were skipped stay empty.
@@ -161,12 +162,12 @@ impl<L: Traced, R: Traced> Backend for Pair<L, R> {
     fn step(
         &mut self,
         stage: StageId,
-        step: u32,
+        clock: Clock,
         chunk: &Self::Chunk,
         room: u64,
     ) -> Result<Outcome<Self::Chunk>, Self::Error> {
-        let left = self.left.step(stage, step, &chunk.0, room).map_err(PairError::Left)?;
-        let right = self.right.step(stage, step, &chunk.1, room).map_err(PairError::Right)?;
+        let left = self.left.step(stage, clock, &chunk.0, room).map_err(PairError::Left)?;
+        let right = self.right.step(stage, clock, &chunk.1, room).map_err(PairError::Right)?;
         self.same_trace()?;
         let outcome = match (left, right) {
             (

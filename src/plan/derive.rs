@@ -9,6 +9,7 @@
 use super::layout::{Header, Layout};
 use super::schedule::{self, Derive};
 use super::size::{self, Bounds};
+use super::step::Clock;
 use super::tables::Stage;
 use super::{Error, Plan};
 use crate::language::expr::Value;
@@ -44,7 +45,7 @@ pub trait Backend {
     fn step(
         &mut self,
         stage: StageId,
-        step: u32,
+        clock: Clock,
         chunk: &Self::Chunk,
         room: u64,
     ) -> Result<Outcome<Self::Chunk>, Self::Error>;
@@ -79,6 +80,8 @@ pub enum Outcome<C> {
 pub struct Options<'a> {
     /// Params by name.
     pub set: Vec<(String, Value)>,
+    /// What random numbers begin with.
+    pub seed: u32,
     /// Stop after this many steps in all.
     pub steps: Option<u32>,
     /// Bytes that the word, with what a step writes, may take.
@@ -96,6 +99,7 @@ impl Default for Options<'_> {
     fn default() -> Self {
         Options {
             set: Vec::new(),
+            seed: 0,
             steps: None,
             max_bytes: 4 << 30,
             chunk_modules: None,
@@ -255,15 +259,16 @@ impl<B: Backend> Run<'_, B> {
 
     /// One step over all chunks; whether any rule fired.
     fn step(&mut self, rule_set: usize, step: u32) -> Result<bool, B::Error> {
+        let clock = Clock { step, run_step: self.steps.len() as u32, seed: self.options.seed };
         let mut fired = false;
         for stage in 0..self.plan.tables.rule_sets[rule_set].stages.len() {
             let id = StageId { rule_set, stage };
-            fired |= self.sweep(id, step)?;
+            fired |= self.sweep(id, clock)?;
         }
         Ok(fired)
     }
 
-    fn sweep(&mut self, id: StageId, step: u32) -> Result<bool, B::Error> {
+    fn sweep(&mut self, id: StageId, clock: Clock) -> Result<bool, B::Error> {
         let layout = self.plan.tables.layout;
         let growth = id.of(self.plan).max_count() as usize;
         let most = (self.backend.most_modules() / growth).max(1);
@@ -284,7 +289,7 @@ impl<B: Backend> Run<'_, B> {
             // The word as it stands, this chunk's old modules among it, is there beside the new ones.
             let held = self.modules * layout.module_bytes();
             let room = self.options.max_bytes.saturating_sub(held);
-            let outcome = self.backend.step(id, step, &chunk, room)?;
+            let outcome = self.backend.step(id, clock, &chunk, room)?;
             self.backend.recycle(chunk);
             match outcome {
                 Outcome::Done { next: live, retired, fired: any } => {

@@ -43,6 +43,10 @@ pub enum Node {
     Level,
     /// Steps done in this derive.
     Step,
+    /// Steps done in the whole run.
+    RunStep,
+    /// The seed of the run.
+    Seed,
     /// An element of a list in the environment: its first word, words an element, elements; the
     /// index is clamped.
     Element {
@@ -70,6 +74,8 @@ pub struct Names<'a> {
     pub uniforms: &'a [usize],
     /// The components of the lets lowered so far.
     pub lets: Vec<Vec<NodeId>>,
+    /// Identifies the rule for random numbers.
+    pub site: u32,
     /// Words of constants in the environment, behind the uniforms.
     pub constants: &'a mut Constants,
 }
@@ -138,7 +144,7 @@ impl Graph {
         match self.nodes[id] {
             Node::Literal(ty, _) | Node::Field(ty, _) | Node::Uniform(ty, _) => ty,
             Node::Element { ty, .. } => ty,
-            Node::Level | Node::Step => Scalar::Int,
+            Node::Level | Node::Step | Node::RunStep | Node::Seed => Scalar::Int,
             Node::Call(op, _) => Scalar::of(&op.row().result),
         }
     }
@@ -179,8 +185,93 @@ impl Graph {
                 let lowered: Vec<Vec<NodeId>> = args.iter().map(|a| self.lower(a, names)).collect();
                 self.expand(*op, &lowered, names)
             }
-            ExprKind::Random { .. } | ExprKind::Sample(..) => vec![self.push(Node::Literal(ty, 0)); words],
+            ExprKind::Random { function, args, site } => {
+                let hash = self.draw(names.site, *site as u32);
+                let args: Vec<NodeId> = args.iter().map(|a| self.lower(a, names)[0]).collect();
+                vec![self.random(function, hash, &args)]
+            }
+            ExprKind::Sample(..) => vec![self.push(Node::Literal(ty, 0)); words],
         }
+    }
+
+    fn int(&mut self, i: u32) -> NodeId {
+        self.push(Node::Literal(Scalar::Int, i))
+    }
+
+    fn ints(&mut self, name: &str, args: &[NodeId]) -> NodeId {
+        let types = vec![Type::Int; args.len()];
+        self.call(name, &types, args)
+    }
+
+    /// The hash behind one random number of a module: of the seed, the step of the whole run, the
+    /// module's path (root and order key), the rule, and the call in it.
+    fn draw(&mut self, site: u32, call: u32) -> NodeId {
+        let mut hash = self.push(Node::Seed);
+        let step = self.push(Node::RunStep);
+        let path = [1, 2, 3].map(|word| self.push(Node::Field(Scalar::Int, word)));
+        let place = [self.int(site), self.int(call)];
+        for word in [step].into_iter().chain(path).chain(place) {
+            hash = self.ints("hash #", &[hash, word]);
+        }
+        hash
+    }
+
+    fn random(&mut self, function: &str, hash: NodeId, args: &[NodeId]) -> NodeId {
+        if function == "randn" {
+            return self.normal(hash);
+        }
+        let unit = self.call("unit #", &[Type::Int], &[hash]);
+        match *args {
+            [low, high] => {
+                let width = self.float("-", &[high, low]);
+                let above = self.float("*", &[width, unit]);
+                self.float("+", &[low, above])
+            }
+            _ => unit,
+        }
+    }
+
+    /// Twelve 16-bit slices, summed as integers, less their mean: standard deviation 1.
+    fn normal(&mut self, hash: NodeId) -> NodeId {
+        let mut sum = self.int((-6i32 * 65_535) as u32);
+        for n in 0..6 {
+            let number = self.int(n);
+            let word = self.ints("hash #", &[hash, number]);
+            let slices = self.ints("slices #", &[word]);
+            sum = self.ints("+", &[sum, slices]);
+        }
+        let sum = self.call("float", &[Type::Int], &[sum]);
+        let scale = self.number(1.0 / 65_536.0);
+        self.float("*", &[sum, scale])
+    }
+
+    /// The draw among alternatives: whether any weight is positive, and the index drawn. Weights
+    /// count in 65,536ths, as integers, up to 32,767 over their number.
+    pub fn choice(&mut self, weights: &[NodeId], site: u32) -> (NodeId, NodeId) {
+        let most = 32_767.0 / weights.len() as f32;
+        let (zero, most) = (self.number(0.0), self.number(most));
+        let unit = self.number(65_536.0);
+        let mut total = self.int(0);
+        let mut ends = Vec::with_capacity(weights.len());
+        for &weight in weights {
+            let weight = self.float("clamp", &[weight, zero, most]);
+            let scaled = self.float("*", &[weight, unit]);
+            let whole = self.float("round", &[scaled]);
+            let fixed = self.call("int", &[Type::Float], &[whole]);
+            total = self.ints("+", &[total, fixed]);
+            ends.push(total);
+        }
+        // A site of its own, so that a call of `rand` in the rule does not move it.
+        let hash = self.draw(site, u32::MAX);
+        let drawn = self.ints("scale #", &[hash, total]);
+        let mut index = self.int(weights.len() as u32 - 1);
+        for (n, &end) in ends.iter().enumerate().rev().skip(1) {
+            let below = self.ints("<", &[drawn, end]);
+            let here = self.int(n as u32);
+            index = self.call("if", &[Type::Bool, Type::Int, Type::Int], &[below, here, index]);
+        }
+        let none = self.int(0);
+        (self.ints(">", &[total, none]), index)
     }
 
     fn element(&mut self, list: &[Value], index: &Expr, names: &mut Names) -> Vec<NodeId> {

@@ -86,18 +86,30 @@ pub const RETIRE: Pass = Pass {
 /// All passes, in the order in which they run.
 pub const PASSES: [Pass; 6] = [MATCH, COUNT, SCAN, EMIT, COMPACT, RETIRE];
 
-/// What the host says of a dispatch; a uniform of 16 bytes.
+/// What the rules may know of the time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Clock {
+    /// Steps done in this `derive`: the attribute `step`.
+    pub step: u32,
+    /// Steps done in the whole run: one of the things that a random number depends on.
+    pub run_step: u32,
+    /// The seed of the run.
+    pub seed: u32,
+}
+
+/// What the host says of a dispatch; a uniform of 32 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Extent {
     /// Modules of the chunk.
     pub count: u32,
-    /// Steps done in this `derive`: the attribute `step`.
-    pub step: u32,
     /// Modules that fit in the buffers that the pass writes; nothing is written past them.
     pub capacity: u32,
     /// The rule id that `compact` looks for.
     pub wanted: u32,
+    pub clock: Clock,
+    pub reserved: [u32; 2],
 }
 
 /// What a chunk says of a step; 32 bytes. Each word only ever rises during a step.

@@ -70,9 +70,7 @@ pub fn rule(system: &System, rule: &Rule) -> Result<(), Unsupported> {
         if let Successor::Modules(_) = alternative.successor {
             return Err(Unsupported::new("brackets in patch systems", alternative.span));
         }
-        if let Some(weight) = &alternative.weight {
-            return Err(Unsupported::new("weights", weight.span));
-        }
+        alternative.weight.iter().try_for_each(expr)?;
         modules(&alternative.successor, &mut |m| m.args.iter().try_for_each(expr))?;
     }
     let lets = rule.lets.iter().map(|l| &l.value);
@@ -120,7 +118,6 @@ fn node(e: &Expr) -> Result<(), Unsupported> {
         ExprKind::Attribute(name) => {
             refuse(format!("the attribute `{name}` in rules (only `level` and `step`)"))
         }
-        ExprKind::Random { function, .. } => refuse(format!("`{function}`")),
         ExprKind::Sample(..) => refuse("queries sampled at a point".to_string()),
         ExprKind::Call(op, _) if op.row().name == "frame *" => {
             refuse(format!("`{}` in rules", op.row().name))

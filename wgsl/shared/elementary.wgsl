@@ -157,6 +157,17 @@ fn hash_word(state: u32, word: u32) -> u32 {
   return h ^ (h >> 16u);
 }
 
+// The upper word of a * b.
+fn scale_word(a: u32, b: u32) -> u32 {
+  let ah = a >> 16u;
+  let al = a & 0xffffu;
+  let bh = b >> 16u;
+  let bl = b & 0xffffu;
+  let middle = ah * bl + ((al * bl) >> 16u);
+  let other = al * bh + (middle & 0xffffu);
+  return ah * bh + (middle >> 16u) + (other >> 16u);
+}
+
 fn unit_of_hash(h: u32) -> f32 {
   return f32(h >> 8u) * 0.000000059604645;
 }

@@ -2,9 +2,13 @@
 
 struct Extent {
   count: u32,
-  step: u32,
   capacity: u32,
   wanted: u32,
+  step: u32,
+  run_step: u32,
+  seed: u32,
+  reserved_0: u32,
+  reserved_1: u32,
 }
 
 struct Status {
