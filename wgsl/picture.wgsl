@@ -142,7 +142,7 @@ fn ground_vertex(@builtin(vertex_index) index: u32) -> Ground {
 fn ground_fragment(in: Ground) -> @location(0) vec4f {
     let far = length(in.place - origin() - view.ground.x * view.sky.xyz);
     let fade = 1.0 - smoothstep(0.45 * GROUND_RADIUS, 0.95 * GROUND_RADIUS, far);
-    let shadow = 1.0 - reached(in.place, 0.018);
+    let shadow = 1.0 - reached(in.place, 0.008);
     return vec4f(0.02, 0.025, 0.04, view.ground.y * fade * shadow);
 }
 

@@ -53,7 +53,7 @@ impl Default for Picture {
             supersample: 1,
             front: [217, 155, 108],
             colors: Vec::new(),
-            back: [104, 141, 172],
+            back: [138, 163, 190],
             background: [[246, 247, 249], [205, 211, 219]],
             ground: true,
             lines: Vec::new(),
