@@ -4,6 +4,8 @@ mod check;
 mod command;
 #[cfg(feature = "gpu")]
 mod device;
+#[cfg(feature = "gpu")]
+mod expressions;
 mod grid;
 mod io;
 mod oracle;

@@ -195,8 +195,12 @@ fn cell(text: &str) -> String {
 
 /// What the tables say of a row; the test below makes them keep their word.
 fn runs_in_rules(row: &Row) -> bool {
-    let exact = |ty: &Type| matches!(ty, Type::Bool | Type::Int);
-    row.cpu.is_some() && row.args.iter().chain([&row.result]).all(exact)
+    !row.name.ends_with(" *")
+}
+
+/// Rows that no rule file can name: behind `rand` and the draw among alternatives.
+fn is_internal(row: &Row) -> bool {
+    row.name.ends_with(" #")
 }
 
 /// The signature, with V for a vector type if the same is there for all three.
@@ -217,13 +221,13 @@ fn the_page_of_operations_is_the_table() {
     let mut text = String::from(
         "Operators and functions of expressions.\n\n\
          Where an operation takes a float an int will do. `V` stands for `vec2`, `vec3` and `vec4` alike, the same\n\
-         one throughout a line. In consts, params, counts and axioms the host computes all of them but `noise`\n\
-         and `frame * v`; *in rules* says whether this version runs them there, on CPU and GPU.\n\
+         one throughout a line. In consts, params, counts and axioms the host computes all of them but\n\
+         `frame * v`; *in rules* says whether this version runs them there, on CPU and GPU.\n\
          The meaning of numbers is told in the [reference](super#values).\n",
     );
     for (title, operators) in [("Operators", true), ("Functions", false)] {
         let is_operator = |r: &&Row| r.is_operator() || r.name.ends_with(" *");
-        let rows = TABLE.iter().filter(|r| is_operator(r) == operators);
+        let rows = TABLE.iter().filter(|r| !is_internal(r) && is_operator(r) == operators);
         let mut by_name: Vec<(&str, Vec<&Row>)> = Vec::new();
         for row in rows {
             match by_name.iter_mut().find(|(name, _)| *name == row.name) {
@@ -248,9 +252,9 @@ fn the_page_of_operations_is_the_table() {
              Not in the table, since they are no functions of their arguments alone; see the\n\
              [reference](super#random-numbers).\n\n\
              | operation | meaning | in rules |\n|---|---|---|\n\
-             | `rand() -> float` | Uniform from 0 up to 1, 1 left out. |  |\n\
-             | `rand(a: float, b: float) -> float` | Uniform from a to b. |  |\n\
-             | `randn() -> float` | Nearly normal, of mean 0 and deviation 1. |  |\n";
+             | `rand() -> float` | Uniform from 0 up to 1, 1 left out. | yes |\n\
+             | `rand(a: float, b: float) -> float` | Uniform from a to b. | yes |\n\
+             | `randn() -> float` | Nearly normal, of mean 0 and deviation 1. | yes |\n";
     same("operations.md", &text);
 }
 
@@ -282,7 +286,7 @@ fn as_condition(expression: String, ty: &Type) -> String {
 
 #[test]
 fn operations_run_in_rules_where_the_page_says_so() {
-    for row in TABLE.iter().filter(|r| !r.name.ends_with(" *")) {
+    for row in TABLE.iter().filter(|r| !r.name.ends_with(" *") && !is_internal(r)) {
         let args: Vec<String> = row.args.iter().map(|ty| format!("q_{ty}")).collect();
         let expression = match args.as_slice() {
             [a] if row.is_operator() => format!("{}{a}", row.name),

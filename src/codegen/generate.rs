@@ -200,6 +200,7 @@ impl<'a> Values<'a> {
     fn node(&self, node: &Node) -> String {
         match *node {
             Node::Literal(ty, word) => literal(ty, word),
+            Node::Held(word) => literal(Scalar::Float, word),
             Node::Field(ty, at) => from_word(ty, &lane(at)),
             Node::Uniform(ty, at) => from_word(ty, &format!("uniform_word({at}u)")),
             Node::Step => "i32(extent.step)".to_string(),

@@ -61,7 +61,7 @@ pub fn run(graph: &Graph, block: &Input, registers: &mut Registers) {
         let arg = |r: usize| &before[r * BLOCK..][..BLOCK];
         let words = block.layout.record_words;
         match *node {
-            Node::Literal(_, word) => out.fill(word),
+            Node::Literal(_, word) | Node::Held(word) => out.fill(word),
             Node::Uniform(_, at) => out.fill(block.environment[at]),
             Node::Step => out.fill(block.clock.step),
             Node::RunStep => out.fill(block.clock.run_step),

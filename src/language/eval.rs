@@ -158,7 +158,7 @@ fn three(name: &str, a: &[f32], b: &[f32], c: &[f32]) -> Option<Value> {
     };
     match (name, b, c) {
         ("clamp", ..) => each(|x, low, high| x.max(low).min(high)),
-        ("mix", ..) => each(|x, y, t| x * (1.0 - t) + y * t),
+        ("mix", ..) => each(|x, y, t| (x - x * t) + y * t),
         ("smoothstep", ..) => {
             // Its arguments are the two edges, then the place between them.
             each(|low, high, x| {

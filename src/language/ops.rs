@@ -303,7 +303,7 @@ pub static TABLE: &[Row] = table! {
     scalar {
         "%" (a: Float, b: Float) -> Float, "Remainder a - b * trunc(a / b), with the sign of the first.";
         "fract" (x: Float) -> Float, "x - floor(x).";
-        "mix" (a: Float, b: Float, t: Float) -> Float, "a * (1 - t) + b * t.";
+        "mix" (a: Float, b: Float, t: Float) -> Float, "(a - a * t) + b * t.";
         "smoothstep" (low: Float, high: Float, x: Float) -> Float, "From 0 at low to 1 at high, smooth at both ends.";
         "cross" (a: Vec2, b: Vec2) -> Float, "a.x * b.y - a.y * b.x.";
         "cross" (a: Vec3, b: Vec3) -> Vec3, "Vector product.";
@@ -336,7 +336,7 @@ pub static TABLE: &[Row] = table! {
         "min" (a: V, b: V) -> V, "The lesser, by components.";
         "max" (a: V, b: V) -> V, "The greater, by components.";
         "clamp" (v: V, low: V, high: V) -> V, "v, but at least low and at most high, by components.";
-        "mix" (a: V, b: V, t: Float) -> V, "a * (1 - t) + b * t.";
+        "mix" (a: V, b: V, t: Float) -> V, "(a - a * t) + b * t.";
         "length" (v: V) -> Float, "Euclidean length.";
         "distance" (a: V, b: V) -> Float, "Euclidean distance.";
         "dot" (a: V, b: V) -> Float, "Scalar product.";

@@ -61,6 +61,8 @@ impl StageCode {
             });
             code.children.push(ChildCode { graph: lower.graph, args });
         }
+        let rules = code.rules.iter_mut().map(|r| &mut r.graph);
+        rules.chain(code.children.iter_mut().map(|c| &mut c.graph)).for_each(|g| g.settle(&mut constants));
         code.constants = constants;
         code
     }

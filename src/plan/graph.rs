@@ -39,6 +39,8 @@ pub enum Node {
     Field(Scalar, usize),
     /// A word of the environment.
     Uniform(Scalar, usize),
+    /// A float constant that is to be read from the environment: [`Graph::settle`] says where.
+    Held(u32),
     /// The greater of the halvings along u and v.
     Level,
     /// Steps done in this derive.
@@ -81,8 +83,7 @@ pub struct Names<'a> {
 }
 
 /// Constants that stand in the environment: lists, which are indexed at run time, and float
-/// literals that are no power of two, since a compiler that knows two of them in a chain may
-/// reassociate it.
+/// constants that no compiler shall know.
 #[derive(Clone, Debug, Default)]
 pub struct Constants {
     /// The word where they begin.
@@ -127,8 +128,11 @@ impl Graph {
         {
             return self.push(Node::Literal(Scalar::of(&op.row().result), word));
         }
+        let sum = matches!(op.row().name, "+" | "-");
         let mut list = [0; 3];
-        list[..args.len()].copy_from_slice(args);
+        for (place, &arg) in list.iter_mut().zip(args) {
+            *place = self.operand(arg, sum);
+        }
         self.push(Node::Call(op, list))
     }
 
@@ -144,6 +148,7 @@ impl Graph {
         match self.nodes[id] {
             Node::Literal(ty, _) | Node::Field(ty, _) | Node::Uniform(ty, _) => ty,
             Node::Element { ty, .. } => ty,
+            Node::Held(_) => Scalar::Float,
             Node::Level | Node::Step | Node::RunStep | Node::Seed => Scalar::Int,
             Node::Call(op, _) => Scalar::of(&op.row().result),
         }
@@ -183,7 +188,7 @@ impl Graph {
             ExprKind::Element(list, index) => self.element(list, index, names),
             ExprKind::Call(op, args) => {
                 let lowered: Vec<Vec<NodeId>> = args.iter().map(|a| self.lower(a, names)).collect();
-                self.expand(*op, &lowered, names)
+                self.expand(*op, &lowered)
             }
             ExprKind::Random { function, args, site } => {
                 let hash = self.draw(names.site, *site as u32);
@@ -284,30 +289,34 @@ impl Graph {
         (0..stride).map(|n| self.push(Node::Element { ty, base: base + n, stride, length, index })).collect()
     }
 
-    /// A float literal that is no power of two goes to the environment when it meets a float that
-    /// is no constant.
-    fn operand(&mut self, id: NodeId, names: &mut Names) -> NodeId {
+    /// A float literal as an operand: a compiler that knows two constants of a sum, or of a product,
+    /// may reassociate it, so all but one are held back. Powers of two scale exactly in any order.
+    fn operand(&mut self, id: NodeId, sum: bool) -> NodeId {
         match self.nodes[id] {
-            Node::Literal(Scalar::Float, word) if word & 0x007f_ffff != 0 => {
-                let at = names.constants.place(&[word]);
-                self.push(Node::Uniform(Scalar::Float, at))
+            Node::Literal(Scalar::Float, word) if word << 1 != 0 && (sum || word & 0x007f_ffff != 0) => {
+                self.push(Node::Held(word))
             }
             _ => id,
         }
     }
 
+    /// Gives the constants that were held back their places in the environment.
+    pub fn settle(&mut self, constants: &mut Constants) {
+        for node in &mut self.nodes {
+            if let Node::Held(word) = *node {
+                *node = Node::Uniform(Scalar::Float, constants.place(&[word]));
+            }
+        }
+    }
+
     /// An operation as rows of scalars.
-    fn expand(&mut self, op: Op, args: &[Vec<NodeId>], names: &mut Names) -> Vec<NodeId> {
+    fn expand(&mut self, op: Op, args: &[Vec<NodeId>]) -> Vec<NodeId> {
         let row = op.row();
         if row.cpu.is_some() {
-            let constant = args.iter().all(|a| self.literal(a[0]).is_some());
-            let operands: Vec<NodeId> =
-                args.iter().map(|a| if constant { a[0] } else { self.operand(a[0], names) }).collect();
+            let operands: Vec<NodeId> = args.iter().map(|a| a[0]).collect();
             return vec![self.call_op(op, &operands)];
         }
-        let args: Vec<Vec<NodeId>> =
-            args.iter().map(|list| list.iter().map(|&a| self.operand(a, names)).collect()).collect();
-        self.expand_vector(row.name, &args)
+        self.expand_vector(row.name, args)
     }
 
     fn expand_vector(&mut self, name: &str, args: &[Vec<NodeId>]) -> Vec<NodeId> {
@@ -368,11 +377,10 @@ impl Graph {
         self.float("-", &[a, product])
     }
 
-    /// a·(1 − t) + b·t
+    /// (a − a·t) + b·t: drivers take a·(1 − t) + b·t for an interpolation and compute another.
     fn mix(&mut self, a: NodeId, b: NodeId, t: NodeId) -> NodeId {
-        let one = self.number(1.0);
-        let rest = self.float("-", &[one, t]);
-        let (first, second) = (self.float("*", &[a, rest]), self.float("*", &[b, t]));
+        let (part, second) = (self.float("*", &[a, t]), self.float("*", &[b, t]));
+        let first = self.float("-", &[a, part]);
         self.float("+", &[first, second])
     }
 

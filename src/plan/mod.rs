@@ -91,6 +91,16 @@ impl Plan {
         Ok(values)
     }
 
+    /// What random numbers begin with: the param `seed`, if the system has one of type int, else 0.
+    pub fn seed(&self, set: &[(String, Value)]) -> u32 {
+        let values = self.uniforms(set).unwrap_or_default();
+        let named = self.system.uniforms.iter().zip(values).find(|(u, _)| u.name == "seed");
+        match named {
+            Some((_, Value::Int(seed))) => seed as u32,
+            _ => 0,
+        }
+    }
+
     fn no_such_param(&self, name: &str) -> String {
         let params: Vec<&str> =
             self.system.uniforms.iter().filter(|u| is_param(&u.kind)).map(|u| u.name.as_str()).collect();

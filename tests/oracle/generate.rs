@@ -10,7 +10,7 @@ mod system;
 use super::halving::Net;
 use super::word::{Param, Word};
 use super::{Oracle, parse};
-use random::Random;
+pub use random::Random;
 use std::fmt;
 use system::{Dialect, Generator};
 

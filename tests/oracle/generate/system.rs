@@ -30,7 +30,6 @@ pub enum Dialect {
 }
 
 pub struct Generator {
-    pub dialect: Dialect,
     pub random: Random,
     degree: [usize; 2],
     rational: bool,
@@ -54,7 +53,6 @@ impl Generator {
         let cubic = random.chance(60) || !whole;
         let degree = if cubic { [3, 3] } else { [random.range(1, 8) as usize, random.range(1, 8) as usize] };
         Generator {
-            dialect,
             degree,
             rational: random.chance(25) && whole,
             bits: random.range(2, 6) as u32,

@@ -1,0 +1,233 @@
+//! Expressions: random ones from the table of operations, the same bits on CPU and GPU; elementary
+//! functions against f64; the hash behind random numbers, frozen.
+
+use crate::device;
+use crate::oracle::Random;
+use crate::parity::system;
+use burgeon::cpu::Cpu;
+use burgeon::gpu::Gpu;
+use burgeon::language::elementary;
+use burgeon::language::ops::TABLE;
+use burgeon::language::{Type, Value};
+use burgeon::patch::{Axiom, Net, Word};
+use burgeon::plan::derive::{Backend, collect, derive};
+use burgeon::plan::{Options, Plan};
+use std::fmt::Debug;
+
+const INTS: [&str; 8] = ["-2147483648", "2147483647", "0", "-1", "7", "46341", "-65536", "1"];
+const FLOATS: [&str; 8] = ["0.0", "1.0", "-0.3", "1e-20", "-7.25", "12345.678", "0.1", "1e10"];
+
+/// A random expression of a type over the fields of P, from the rows of the table.
+fn expression(random: &mut Random, ty: &Type, depth: usize) -> String {
+    let row_of = |random: &mut Random| {
+        // Floats go into ints and bools by leaves alone: NaN compares differently on devices.
+        let fits = |args: &[Type]| *ty != Type::Int && *ty != Type::Bool || !args.iter().any(is_float);
+        let rows: Vec<_> =
+            TABLE.iter().filter(|r| r.result == *ty && fits(r.args) && named(r.name)).collect();
+        (!rows.is_empty()).then(|| *random.pick(&rows))
+    };
+    let row = if depth == 0 { None } else { row_of(random) };
+    let Some(row) = row else { return leaf(random, ty) };
+    let args: Vec<String> = row.args.iter().map(|ty| expression(random, ty, depth - 1)).collect();
+    match args.as_slice() {
+        [a] if row.is_operator() => format!("({}{a})", row.name),
+        [a, b] if row.is_operator() => format!("({a} {} {b})", row.name),
+        args => format!("{}({})", row.name, args.join(", ")),
+    }
+}
+
+/// What a rule can name; `mix` of a value with itself is that value to some compilers, and 0 or
+/// infinity by the sums and products that it stands for, so it is tested by itself.
+fn named(name: &str) -> bool {
+    !name.ends_with('#') && !name.ends_with(" *") && name != "mix"
+}
+
+fn is_float(ty: &Type) -> bool {
+    !matches!(ty, Type::Int | Type::Bool)
+}
+
+fn leaf(random: &mut Random, ty: &Type) -> String {
+    let float = |random: &mut Random| random.pick(&["x", "y", "(x*0.1)", "2.5", "(-1/3)"]).to_string();
+    match ty {
+        Type::Int => random.pick(&["a", "b", "3", "(-5)", "level", "step", "list[a]"]).to_string(),
+        Type::Bool => random.pick(&["f", "true", "(x < y)", "(a == b)"]).to_string(),
+        Type::Float => float(random),
+        Type::Vec2 => format!("({}, {})", float(random), float(random)),
+        Type::Vec3 => random.pick(&["p", "(x, y, 1.0)", "(p*0.3)"]).to_string(),
+        _ => format!("({}, {}, x, 0.7)", float(random), float(random)),
+    }
+}
+
+/// A system that works out expressions of every type over awkward numbers.
+fn text(seed: u64) -> String {
+    let mut random = Random::new(seed);
+    let types =
+        [Type::Int, Type::Int, Type::Bool, Type::Float, Type::Float, Type::Vec2, Type::Vec3, Type::Vec4];
+    let values: Vec<String> = types.iter().map(|ty| expression(&mut random, ty, 3)).collect();
+    let mut axiom = String::new();
+    for _ in 0..12 {
+        let int = |random: &mut Random| *random.pick(&INTS);
+        let float = |random: &mut Random| *random.pick(&FLOATS);
+        let (a, b) = (int(&mut random), int(&mut random));
+        let (x, y, z) = (float(&mut random), float(&mut random), float(&mut random));
+        let f = random.chance(50);
+        axiom += &format!("\n  P({a}, {b}, {f}, {x}, {y}, ({x}, {z}, {y})) = file \"net.bpt\"");
+    }
+    format!(
+        "system random : patch bezier 3\nconst list = [3, -7, 46341]\n\
+         module P(a: int, b: int, f: bool, x: float, y: float, p: vec3)\n\
+         module Q(i: int, j: int, g: bool, r: float, s: float, u: vec2, v: vec3, w: vec4)\n\
+         axiom:{axiom}\nrules:\n  P(a, b, f, x, y, p) -> Q({})\n",
+        values.join(",\n    ")
+    )
+}
+
+fn word<B: Backend>(plan: &Plan, axiom: &Axiom, seed: u32, backend: &mut B) -> Word
+where
+    B::Error: Debug,
+{
+    let options = Options { seed, ..Options::default() };
+    let uniforms = plan.uniforms(&[]).expect("params");
+    let derivation = derive(plan, axiom, &uniforms, &options, backend).expect("a derivation");
+    collect(plan, backend, &derivation).expect("a word")
+}
+
+fn job(text: &str) -> (Plan, Axiom) {
+    let system = system(text);
+    let plan = Plan::new(&system).unwrap_or_else(|e| panic!("{e} in\n{text}"));
+    let points = (0..16).map(|k| [(k / 4) as f32, (k * 5 % 7) as f32, (k % 4) as f32, 1.0]).collect();
+    let net = Net { degree: [3, 3], points };
+    (plan, Axiom::load::<String>(&system, &mut |_| Ok(vec![net.clone()])).expect("an axiom"))
+}
+
+/// Words of a value; not a number is not compared, since its bits are anybody's.
+fn words(value: &Value) -> Vec<Option<u32>> {
+    let float = matches!(value, Value::Float(_) | Value::Vec2(_) | Value::Vec3(_) | Value::Vec4(_));
+    value.words().into_iter().map(|w| (!float || !f32::from_bits(w).is_nan()).then_some(w)).collect()
+}
+
+#[test]
+fn random_expressions_have_the_same_bits_on_cpu_and_gpu() {
+    for (name, engine) in device::engines() {
+        for seed in 0..16 {
+            let text = text(seed);
+            let (plan, axiom) = job(&text);
+            let cpu = word(&plan, &axiom, 1, &mut Cpu::new(&plan, &[], 2).expect("threads"));
+            let gpu = word(&plan, &axiom, 1, &mut Gpu::new(&engine, &plan, &[]).expect("kernels"));
+            for (n, (a, b)) in cpu.modules.iter().zip(&gpu.modules).enumerate() {
+                for (field, (p, q)) in a.params.iter().zip(&b.params).enumerate() {
+                    let differ = words(p).iter().zip(words(q)).any(|(p, q)| p.is_some() && *p != q);
+                    assert!(!differ, "{name}: module {n}, field {field}: CPU {p:?}, GPU {q:?}\n{text}");
+                }
+            }
+        }
+    }
+}
+
+const LOTS: &str = "system lots : patch bezier 3\nmodule A(n: int, x: float, g: float), B\n\
+    axiom: A(0, 0.0, 0.0) = file \"net.bpt\"\nrules:\n  A(n, x, g) : n < 5\n    \
+    ->(0.1) eps\n    ->(0.6) [ A(n+1, rand(), randn()) A(n+1, rand(-1, 1), 0.0) ; B A(n+1, 0.5, rand()) ]\n    \
+    ->(if(n > 2, 0.3, 0.0)) [ [ A(n+1, rand(), rand()) | B ] | A(n+1, rand(), 0.0) ]\nrun:\n  derive 5\n";
+
+#[test]
+fn lots_fall_alike_on_cpu_and_gpu_and_differ_by_seed() {
+    let (plan, axiom) = job(LOTS);
+    let on_cpu = |seed| word(&plan, &axiom, seed, &mut Cpu::new(&plan, &[], 2).expect("threads"));
+    let first = (1..9).map(on_cpu).find(|w| w.modules.len() > 50).expect("a seed that grows");
+    assert!((1..9).any(|seed| on_cpu(seed) != first), "the seed changes nothing");
+    for (name, engine) in device::engines() {
+        for seed in 1..5 {
+            let gpu = word(&plan, &axiom, seed, &mut Gpu::new(&engine, &plan, &[]).expect("kernels"));
+            assert!(gpu == on_cpu(seed), "{name}, seed {seed}");
+        }
+    }
+}
+
+#[test]
+fn an_edit_in_one_branch_rolls_that_branch_alone() {
+    let text = "system s : patch bezier 3\nmodule R, A(x: float), B(x: float)\naxiom: R = file \"net.bpt\"\n\
+        rules:\n  R -> [ A(0.0) | B(0.0) ]\n  a: A(x) -> [ A(rand()) | A(rand()) ]\n  \
+        b: B(x) -> [ B(rand()) | B(rand()) ]\nrun:\n  derive 4\n";
+    let edited = text.replace("b: B(x) -> [ B(rand()) | B(rand()) ]", "b: B(x) -> [ B(rand()) | eps ]");
+    let of_a = |text: &str| {
+        let (plan, axiom) = job(text);
+        let word = word(&plan, &axiom, 7, &mut Cpu::new(&plan, &[], 1).expect("threads"));
+        let a = word.modules.into_iter().filter(|m| m.symbol == 1);
+        a.map(|m| (m.key, m.params)).collect::<Vec<_>>()
+    };
+    assert_eq!(of_a(text), of_a(&edited));
+    assert_eq!(of_a(text).len(), 8);
+}
+
+#[test]
+fn weights_are_drawn_in_proportion() {
+    let text = "system s : patch bezier 3\nmodule P, A, B, C\naxiom: P = file \"net.bpt\"\n\
+        rules grow:\n  P -> [ P P ; P P ]\nrules draw:\n  P ->(1) A\n    ->(2) B\n    ->(if(step > 0, 1, -1)) C\n    ->(5) eps\n\
+        run:\n  derive 7 with grow\n  derive 1 with draw\n";
+    let (plan, axiom) = job(text);
+    let word = word(&plan, &axiom, 3, &mut Cpu::new(&plan, &[], 2).expect("threads"));
+    let share = |symbol| word.modules.iter().filter(|m| m.symbol == symbol).count() as f64 / 16384.0;
+    assert!((share(1) - 0.125).abs() < 0.01, "{}", share(1));
+    assert!((share(2) - 0.25).abs() < 0.015, "{}", share(2));
+    assert_eq!(share(3), 0.0);
+}
+
+#[test]
+fn the_hash_is_frozen() {
+    // Pictures made from a seed stay as they are for ever: these may not change.
+    assert_eq!(elementary::hash(0, 0), HASHES[0]);
+    assert_eq!(elementary::hash(1, 2), HASHES[1]);
+    assert_eq!(elementary::hash(0xffff_ffff, 0x1234_5678), HASHES[2]);
+    assert_eq!(elementary::unit(0xffff_ffff), 0.999_999_94);
+    assert_eq!(elementary::unit(0), 0.0);
+    assert_eq!(elementary::scale(0x8000_0000, 10), 5);
+    assert_eq!(elementary::scale(0xffff_ffff, 0x7fff_ffff), 0x7fff_fffe);
+}
+
+const HASHES: [u32; 3] = [0x9bb31115, 0x01e95d13, 0xe53adcfd];
+
+/// The greatest error of `f` against `exact` in units in the last place of the result, and where.
+fn ulps(f: fn(f32) -> f32, exact: fn(f64) -> f64, low: f32, high: f32, floor: f64) -> (f64, f32) {
+    let mut worst = (0.0, 0.0);
+    for n in 0..200_000 {
+        let x = low + (high - low) * (n as f32 / 199_999.0);
+        let truth = exact(x as f64);
+        let unit = truth.abs().max(floor) * f64::from(f32::EPSILON);
+        let error = (f(x) as f64 - truth).abs() / unit;
+        if error > worst.0 {
+            worst = (error, x);
+        }
+    }
+    worst
+}
+
+#[test]
+fn elementary_functions_are_near_the_truth() {
+    type Row = (&'static str, fn(f32) -> f32, fn(f64) -> f64, f32, f32, f64, f64);
+    let rows: [Row; 10] = [
+        ("sin", elementary::sin, f64::sin, -100.0, 100.0, 1.0, 1.5),
+        ("sin far", elementary::sin, f64::sin, 100.0, 8192.0, 1.0, 2.0),
+        ("cos", elementary::cos, f64::cos, -100.0, 100.0, 1.0, 1.5),
+        ("exp", elementary::exp, f64::exp, -87.0, 88.0, 0.0, 2.0),
+        ("exp2", elementary::exp2, f64::exp2, -126.0, 126.9, 0.0, 2.0),
+        ("log", elementary::log, f64::ln, 1e-6, 1000.0, 1.0, 2.0),
+        ("log2", elementary::log2, f64::log2, 1e-6, 1000.0, 1.0, 3.0),
+        ("atan", elementary::atan, f64::atan, -50.0, 50.0, 0.0, 2.5),
+        ("asin", elementary::asin, f64::asin, -1.0, 1.0, 0.1, 4.0),
+        ("acos", elementary::acos, f64::acos, -1.0, 1.0, 0.1, 4.0),
+    ];
+    for (name, f, exact, low, high, floor, allowed) in rows {
+        let (worst, at) = ulps(f, exact, low, high, floor);
+        assert!(worst <= allowed, "{name}({at}): {worst:.2} ulp, {allowed} allowed");
+    }
+}
+
+#[test]
+fn noise_is_zero_at_whole_points_and_bounded() {
+    for n in 0..4000 {
+        let t = n as f32 * 0.37;
+        let value = elementary::noise(t, t * 0.7 - 3.0, 11.0 - t * 0.31);
+        assert!(value.abs() <= 1.0, "{value} at {t}");
+        assert_eq!(elementary::noise((n % 17) as f32, (n % 5) as f32 - 2.0, -(n as f32)), 0.0);
+    }
+}
