@@ -15,3 +15,4 @@ mod parse;
 mod render;
 #[cfg(feature = "gpu")]
 mod scan;
+mod shaders;

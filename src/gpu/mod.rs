@@ -41,6 +41,7 @@ pub struct Engine {
     device: wgpu::Device,
     queue: wgpu::Queue,
     tuning: Tuning,
+    edit: Option<codegen::Edit>,
 }
 
 impl Engine {
@@ -55,7 +56,13 @@ impl Engine {
 
     /// The same with sizes of the caller's choice; no result depends on them.
     pub fn with_tuning(device: &wgpu::Device, queue: &wgpu::Queue, tuning: Tuning) -> Engine {
-        Engine { device: device.clone(), queue: queue.clone(), tuning }
+        Engine { device: device.clone(), queue: queue.clone(), tuning, edit: None }
+    }
+
+    /// The engine with a kernel broken on purpose: how the tests are tested.
+    #[doc(hidden)]
+    pub fn with_edit(self, edit: codegen::Edit) -> Engine {
+        Engine { edit: Some(edit), ..self }
     }
 
     pub fn device(&self) -> &wgpu::Device {
