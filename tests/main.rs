@@ -6,6 +6,8 @@ mod command;
 mod device;
 mod grid;
 mod io;
+#[cfg(feature = "gpu")]
+mod limits;
 mod oracle;
 mod papers;
 #[cfg(feature = "gpu")]

@@ -87,8 +87,17 @@ impl Engine {
             found = pollster::block_on(scope.pop()).or(found);
         }
         match found {
+            Some(_) if self.is_lost() => Err(Error::Lost { doing }),
             Some(error) => Err(Error::Device { doing, message: error.to_string() }),
             None => result,
         }
+    }
+
+    /// A device tells of its loss through one callback, which is the caller's to set. Without it:
+    /// what is made on a lost device is invalid, and using that is an error.
+    fn is_lost(&self) -> bool {
+        let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        buffers::staging(self, 16).map_async(wgpu::MapMode::Read, .., |_| {});
+        pollster::block_on(scope.pop()).is_some()
     }
 }
