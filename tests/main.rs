@@ -8,6 +8,8 @@ mod grid;
 mod io;
 #[cfg(feature = "gpu")]
 mod limits;
+#[cfg(feature = "gpu")]
+mod mutation;
 mod oracle;
 mod papers;
 #[cfg(feature = "gpu")]
