@@ -15,6 +15,7 @@ mod papers;
 #[cfg(feature = "gpu")]
 mod parity;
 mod parse;
+mod reference;
 #[cfg(feature = "gpu")]
 mod render;
 #[cfg(feature = "gpu")]

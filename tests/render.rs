@@ -5,7 +5,7 @@ use burgeon::io::png::Image;
 use burgeon::io::{bpt, png, write_atomically};
 use burgeon::patch::{Net, Word};
 use burgeon::render::{Camera, Error, Picture, Up, render};
-use burgeon::tessellate::{Mesh, dice, grid};
+use burgeon::tessellate::{Mesh, dice, grid, per_vertex};
 
 /// A device with WebGPU's default limits and no features, or `None` where skipping was asked for.
 ///
@@ -196,6 +196,35 @@ fn borders_are_dark_lines() {
 }
 
 #[test]
+fn every_leaf_in_its_color() {
+    let Some((device, queue)) = device() else { return };
+    let net = |x: f32| {
+        let points = [[x, 0.0], [x + 1.0, 0.0], [x, 1.0], [x + 1.0, 1.0]];
+        Net { degree: [1, 1], points: points.map(|[x, z]| [x, 0.0, z, 1.0]).to_vec() }
+    };
+    let word = Word::from_nets("two", "P", &[net(0.0), net(1.0)]).expect("a word");
+    let colors = per_vertex(&word, 3, |leaf| [[200, 40, 40], [40, 40, 200]][leaf.root as usize]);
+    let options = Picture { camera: Camera::Top, colors, ..small() };
+    let image = render(&device, &queue, &dice(&word, 3).expect("a mesh"), &options).expect("a picture");
+    let middle = image.height / 2;
+    assert!(warmth(&image, image.width * 2 / 5, middle) > 80, "the left leaf is red");
+    assert!(warmth(&image, image.width * 3 / 5, middle) < -80, "the right leaf is blue");
+}
+
+#[test]
+fn supersampling_keeps_the_picture() {
+    let Some((device, queue)) = device() else { return };
+    let mesh = dice(&word("teapot"), 8).expect("a mesh");
+    let plain = render(&device, &queue, &mesh, &small()).expect("a picture");
+    let options = Picture { supersample: 3, ..small() };
+    let fine = render(&device, &queue, &mesh, &options).expect("a picture");
+    assert_eq!((fine.width, fine.height), (plain.width, plain.height));
+    let far = |(a, b): (&u8, &u8)| a.abs_diff(*b) > 12;
+    let differing = plain.pixels.iter().zip(&fine.pixels).filter(|pair| far(*pair)).count();
+    assert!(differing < plain.pixels.len() / 20, "only edges differ: {differing}");
+}
+
+#[test]
 fn vertices_without_normals_are_lit_too() {
     let Some((device, queue)) = device() else { return };
     let mut mesh = dice(&word("sheet"), 4).expect("a mesh");
@@ -235,6 +264,10 @@ fn what_is_refused() {
         let error = draw(&mesh, &Picture { width, height, ..small() });
         assert_eq!(error, Error::Size { width, height, max: 8192 });
     }
+    let error = draw(&mesh, &Picture { width: 3000, supersample: 3, ..small() });
+    assert_eq!(error, Error::Size { width: 3000, height: 180, max: 2730 });
+    let error = draw(&mesh, &Picture { colors: vec![[0; 3]; 8], ..small() });
+    assert_eq!(error, Error::Colors { positions: 9, colors: 8 });
     let mut bad = mesh.clone();
     bad.positions[5][1] = f32::NAN;
     assert_eq!(draw(&bad, &small()), Error::NotFinite { vertex: 5 });

@@ -12,8 +12,7 @@ struct View {
     projection: vec4f,
     // The model's up in camera space; w is 1 for a perspective view, 0 for a parallel one.
     sky: vec4f,
-    // Linear colours of the two sides of a surface.
-    front_color: vec4f,
+    // Linear colour of the back of a surface.
     back_color: vec4f,
     // Linear colours of the background.
     top: vec4f,
@@ -94,7 +93,7 @@ fn to_light(p: vec3f) -> vec3f {
 }
 
 @vertex
-fn shadow_vertex(@location(0) position: vec3f, @location(1) normal: vec3f) -> @builtin(position) vec4f {
+fn shadow_vertex(@location(0) position: vec3f) -> @builtin(position) vec4f {
     return vec4f(to_light(to_camera(position)), 1.0);
 }
 
@@ -143,7 +142,7 @@ fn ground_vertex(@builtin(vertex_index) index: u32) -> Ground {
 fn ground_fragment(in: Ground) -> @location(0) vec4f {
     let far = length(in.place - origin() - view.ground.x * view.sky.xyz);
     let fade = 1.0 - smoothstep(0.45 * GROUND_RADIUS, 0.95 * GROUND_RADIUS, far);
-    let shadow = 1.0 - reached(in.place, 0.018);
+    let shadow = 1.0 - reached(in.place, 0.008);
     return vec4f(0.02, 0.025, 0.04, view.ground.y * fade * shadow);
 }
 
@@ -153,15 +152,21 @@ struct Surface {
     @builtin(position) position: vec4f,
     @location(0) place: vec3f,
     @location(1) normal: vec3f,
+    @location(2) color: vec3f,
 }
 
 @vertex
-fn surface_vertex(@location(0) position: vec3f, @location(1) normal: vec3f) -> Surface {
+fn surface_vertex(
+    @location(0) position: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) color: vec3f,
+) -> Surface {
     let place = to_camera(position);
     var out: Surface;
     out.position = to_clip(place);
     out.place = place;
     out.normal = vec3f(dot(view.right.xyz, normal), dot(view.up.xyz, normal), dot(view.back.xyz, normal));
+    out.color = color;
     return out;
 }
 
@@ -190,7 +195,7 @@ fn surface_fragment(in: Surface, @builtin(front_facing) front: bool) -> @locatio
     // At a silhouette the smooth normal may lean away from the viewer: bend it back to the edge.
     n = normalize(n - min(dot(n, v), 0.0) * v);
 
-    let albedo = select(view.back_color.rgb, view.front_color.rgb, front);
+    let albedo = select(view.back_color.rgb, in.color, front);
     // A little off the surface, or its own roughness in the map would shade it.
     let direct = lambert(n, KEY) * reached(in.place + (0.016 * n + 0.006 * KEY) * view.ground.z, 0.005);
     let around = mix(vec3f(0.125, 0.11, 0.105), vec3f(0.30, 0.33, 0.385), 0.5 + 0.5 * dot(n, view.sky.xyz));

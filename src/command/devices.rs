@@ -1,33 +1,59 @@
 //! `burgeon devices`.
 
-use super::{Failure, flags, print};
+use super::{Failure, counted, flags, print};
 
-/// A line an adapter, the one that is taken first.
+/// A few lines an adapter, the one that is taken first; then the CPU.
 #[cfg(feature = "gpu")]
 pub fn devices(_: &flags::Devices) -> Result<(), Failure> {
     let list = burgeon::gpu::adapters();
     if list.is_empty() {
         let none = burgeon::gpu::Headless::new(burgeon::gpu::Requirement::Any);
-        let why = none.err().map_or(String::new(), |e| e.to_string());
-        return Err(Failure::Device(format!("error: {why}")));
+        let why = none.err().map_or("no adapter was found".to_string(), |e| e.to_string());
+        return Err(Failure::Device(format!("error: {why}\n{}", cpu("auto ->"))));
     }
     let mut text = String::new();
     for (n, adapter) in list.iter().enumerate() {
         let (info, limits) = (adapter.get_info(), adapter.limits());
-        let mark = if n == 0 { "auto ->" } else { "       " };
-        text.push_str(&format!("{mark} {} ({:?}, {:?})\n", info.name, info.backend, info.device_type));
-        text.push_str(&format!("          driver: {} {}\n", info.driver, info.driver_info));
+        let mark = if n == 0 { "auto ->" } else { "" };
+        let driver: Vec<&str> =
+            [info.driver.trim(), info.driver_info.trim()].into_iter().filter(|s| !s.is_empty()).collect();
         text.push_str(&format!(
-            "          largest binding {} MiB, largest buffer {} MiB, {} storage buffers a stage\n",
+            "{mark:7} {}\n          driver: {}\n          largest binding {} MiB, largest buffer {} MiB, {} storage buffers a stage\n",
+            label(&info),
+            driver.join(", "),
             limits.max_storage_buffer_binding_size >> 20,
             limits.max_buffer_size >> 20,
             limits.max_storage_buffers_per_shader_stage,
         ));
     }
+    text.push_str(&cpu(""));
     print(&text)
+}
+
+/// An adapter in words: its name, through what it is driven, of what kind it is.
+#[cfg(feature = "gpu")]
+pub fn label(info: &wgpu::AdapterInfo) -> String {
+    let kind = match info.device_type {
+        wgpu::DeviceType::DiscreteGpu => "discrete GPU",
+        wgpu::DeviceType::IntegratedGpu => "integrated GPU",
+        wgpu::DeviceType::VirtualGpu => "virtual GPU",
+        wgpu::DeviceType::Cpu => "software",
+        wgpu::DeviceType::Other => "unknown kind",
+    };
+    let backend = match info.backend {
+        wgpu::Backend::Gl => "GL".to_string(),
+        wgpu::Backend::Dx12 => "DX12".to_string(),
+        other => format!("{other:?}"),
+    };
+    format!("{} ({backend}, {kind})", info.name)
 }
 
 #[cfg(not(feature = "gpu"))]
 pub fn devices(_: &flags::Devices) -> Result<(), Failure> {
-    print("the CPU only: this burgeon was built without the feature gpu\n")
+    print(&format!("{}\nThis burgeon was built without the feature gpu.\n", cpu("auto ->")))
+}
+
+fn cpu(mark: &str) -> String {
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    format!("{mark:7} the CPU backend (--backend cpu), {}\n", counted(threads as u64, "thread"))
 }

@@ -4,23 +4,32 @@ use burgeon::language::Value;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
+/// Below the flags of `run`.
+pub const RUN_EXAMPLES: &str = "\
+Examples:
+  burgeon run teapot.burgeon --out teapot.png
+  burgeon run teapot.burgeon --set levels=5 --grid 4 --out teapot.obj --stats
+  burgeon run teapot.burgeon --in my_patches.bpt --backend cpu --out word.json";
+
 #[derive(Args)]
 pub struct Run {
     #[command(flatten)]
     pub derive: Derive,
-    /// Write the result; by extension: .bpt and .json the exact word, .obj triangles, .png a picture
+    /// Write the result, by extension: .bpt the nets, .json the exact word, .obj triangles, .png a
+    /// picture; may be given several times
     #[arg(long, value_name = "FILE")]
     pub out: Vec<PathBuf>,
-    /// Where it runs: auto takes a hardware adapter, else a software one, else the CPU
-    #[arg(long, value_enum, default_value_t = Backend::Auto)]
+    /// Where it runs: auto takes a hardware adapter, else a software one, else the CPU backend
+    #[arg(long, value_name = "WHERE", value_enum, default_value_t = Backend::Auto)]
     pub backend: Backend,
-    /// Cells along each side of a leaf's grid of triangles; halved until they are at most 2 million
+    /// Cells along each side of a patch in .obj and .png, two triangles each; halved until the model
+    /// has at most 2 million
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=256))]
     pub grid: u32,
     /// The axis that points up in the picture
-    #[arg(long, value_enum, default_value_t = Up::Y)]
+    #[arg(long, value_name = "AXIS", value_enum, default_value_t = Up::Y)]
     pub up: Up,
-    /// Print one line of JSON: backend, adapter, compile_ms, steps, total_ms, peak_bytes
+    /// Print one line of JSON: backend, adapter, compile_ms, steps (modules, ms), total_ms, peak_bytes
     #[arg(long)]
     pub stats: bool,
 }
@@ -30,22 +39,23 @@ pub struct Run {
 pub struct Derive {
     #[command(flatten)]
     pub system: System,
-    /// A file in place of the axiom's (of every source that names the same file as the first)
+    /// Read the patches from here, in place of the first file that the axiom names
     #[arg(long = "in", value_name = "FILE")]
     pub input: Option<PathBuf>,
     /// Stop after N steps in all
     #[arg(long, value_name = "N")]
     pub steps: Option<u32>,
-    /// Set a param of the system
+    /// Set a param of the system, as in levels=4; may be given several times
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
     pub set: Vec<(String, Value)>,
-    /// Threads of the CPU backend; 0 = one for each core
+    /// Threads of the CPU backend; 0: one a core
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1024))]
     pub threads: u32,
-    /// The adapter whose name or backend holds this text
+    /// The first adapter whose name or backend holds this text; `burgeon devices` lists them
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
-    /// Bytes the word and what a step writes may take, with K, M or G; default: half of the machine's
+    /// The most that the word, with what a step writes, may take, as in 500M or 4G [default: half of
+    /// the machine's memory]
     #[arg(long, value_name = "BYTES", value_parser = bytes)]
     pub max_memory: Option<u64>,
 }
@@ -133,6 +143,11 @@ fn number(text: &str) -> Result<Value, String> {
     if let Ok(i) = text.parse::<i32>() {
         return Ok(Value::Int(i));
     }
+    let digits = text.strip_prefix('-').unwrap_or(text);
+    if !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit()) {
+        let (low, high) = (i32::MIN, i32::MAX);
+        return Err(format!("`{text}` lies outside int, {low} to {high}; as a float, write {text}.0"));
+    }
     if let Ok(b) = text.parse::<bool>() {
         return Ok(Value::Bool(b));
     }
@@ -147,13 +162,18 @@ fn number(text: &str) -> Result<Value, String> {
     }
 }
 
+const SIZES: &str = "write a whole number of bytes, as in 4G or 500M";
+
 fn bytes(text: &str) -> Result<u64, String> {
-    let (digits, unit) = match text.char_indices().last() {
-        Some((i, 'k' | 'K')) => (&text[..i], 1u64 << 10),
-        Some((i, 'm' | 'M')) => (&text[..i], 1 << 20),
-        Some((i, 'g' | 'G')) => (&text[..i], 1 << 30),
-        _ => (text, 1),
+    let number = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let unit = match text[number.len()..].to_ascii_lowercase().as_str() {
+        "" | "b" => 1u64,
+        "k" | "kb" | "kib" => 1 << 10,
+        "m" | "mb" | "mib" => 1 << 20,
+        "g" | "gb" | "gib" => 1 << 30,
+        "t" | "tb" | "tib" => 1 << 40,
+        _ => return Err(SIZES.to_string()),
     };
-    let number: u64 = digits.parse().map_err(|_| "write a number of bytes, as in 4G or 500M".to_string())?;
-    number.checked_mul(unit).ok_or_else(|| "more bytes than there are".to_string())
+    let number: u64 = number.parse().map_err(|_| SIZES.to_string())?;
+    number.checked_mul(unit).ok_or_else(|| "more bytes than 64 bits can count".to_string())
 }

@@ -1,13 +1,16 @@
 //! From the flags to a plan and its axiom.
 
-use super::{Failure, colored, flags, say};
+use super::{Failure, colored, counted, flags, say};
 use burgeon::io::bpt;
 use burgeon::language::check::{Checked, compile};
-use burgeon::language::system::{Axiom, Kind, PatchSource, System};
+use burgeon::language::diagnostic::{self, nearest};
+use burgeon::language::system::{Axiom, Kind, PatchSource, System, UniformKind};
 use burgeon::language::vocabulary::Vocabulary;
-use burgeon::language::{Diagnostic, Severity, diagnostic, lex};
+use burgeon::language::{Diagnostic, Severity, Span, Value, lex, parse, syntax};
 use burgeon::patch;
-use burgeon::plan::{Plan, Unsupported};
+use burgeon::plan::{self, Plan, Unsupported, schedule};
+use indicatif::HumanBytes;
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// A rule file, read and checked.
@@ -20,8 +23,12 @@ pub struct Source {
 impl Source {
     /// Reads and checks; diagnostics are not looked at yet.
     pub fn read(path: &Path) -> Result<Source, Failure> {
-        let bytes =
-            std::fs::read(path).map_err(|e| Failure::File(format!("cannot read {}: {e}", path.display())))?;
+        if has_extension(path, "bpt") {
+            let what = format!("error: {} holds patches, not rules", path.display());
+            let help = "help: give the rule file here, and the patches by --in";
+            return Err(Failure::Usage(format!("{what}\n{help}")));
+        }
+        let bytes = std::fs::read(path).map_err(|e| unreadable_rules(path, &e))?;
         let name = path.display().to_string();
         let text = match lex::decode(&bytes) {
             Ok(text) => text.to_string(),
@@ -34,15 +41,30 @@ impl Source {
         Ok(Source { path: path.to_path_buf(), text, checked })
     }
 
-    /// These diagnostics as text.
+    /// These diagnostics as text, and how many they are.
     pub fn render(&self, diagnostics: &[Diagnostic]) -> String {
-        diagnostic::render(diagnostics, &self.path.display().to_string(), &self.text, colored())
+        let name = self.path.display().to_string();
+        let text = diagnostic::render(diagnostics, &name, &self.text, colored());
+        let count = |severity| diagnostics.iter().filter(|d| d.severity == severity).count() as u64;
+        let (errors, warnings) = (count(Severity::Error), count(Severity::Warning));
+        let total = match (errors, warnings) {
+            (0 | 1, 0) | (0, 1) => return text,
+            (0, w) => counted(w, "warning"),
+            (e, 0) => counted(e, "error"),
+            (e, w) => format!("{}, {}", counted(e, "error"), counted(w, "warning")),
+        };
+        format!("{text}{name}: {total}\n")
+    }
+
+    /// One error at a place of the rule file.
+    pub fn error(&self, d: Diagnostic) -> Failure {
+        Failure::File(self.render(&[d]))
     }
 
     /// All diagnostics as a failure, if one is an error; else the warnings are said.
     pub fn refuse_errors(&self) -> Result<(), Failure> {
         let list = &self.checked.diagnostics;
-        if list.iter().any(|d| d.severity == Severity::Error) {
+        if self.checked.has_errors() {
             return Err(Failure::File(self.render(list)));
         }
         if !list.is_empty() {
@@ -54,116 +76,278 @@ impl Source {
     /// The system of this name, or the last.
     pub fn system(&self, name: Option<&str>) -> Result<&System, Failure> {
         let systems = &self.checked.systems;
-        let found = match name {
-            None => systems.last(),
-            Some(name) => systems.iter().find(|s| s.name == name),
+        let path = self.path.display();
+        let Some(last) = systems.last() else {
+            let help = "help: a system begins with `system NAME : patch bezier 3`";
+            return Err(Failure::File(format!("error: {path} holds no system\n{help}")));
         };
-        found.ok_or_else(|| {
-            let names: Vec<&str> = systems.iter().map(|s| s.name.as_str()).collect();
-            match (names.as_slice(), name) {
-                ([], _) => Failure::File(format!("{} holds no system", self.path.display())),
-                (list, Some(name)) => Failure::Usage(format!(
-                    "{} has no system `{name}`; it has {}",
-                    self.path.display(),
-                    list.join(", ")
-                )),
-                _ => Failure::File(format!("{} holds no system", self.path.display())),
-            }
+        let Some(name) = name else { return Ok(last) };
+        systems.iter().find(|s| s.name == name).ok_or_else(|| {
+            let names = systems.iter().map(|s| s.name.as_str());
+            let help = did_you_mean(name, names.clone());
+            let names: Vec<&str> = names.collect();
+            Failure::Usage(format!("error: {path} has no system `{name}`; it has {}{help}", names.join(", ")))
         })
     }
 
     /// What this version does not derive, as a diagnostic.
     pub fn unsupported(&self, e: &Unsupported) -> Failure {
-        let d = Diagnostic::error("E0401", e.span, e.to_string())
-            .hint("the system parses and checks; a later version derives it");
-        Failure::File(self.render(&[d]))
+        let d = Diagnostic::error("E0401", e.span, e.to_string());
+        self.error(d.hint("the system parses and checks; a later version derives it"))
+    }
+
+    /// Whether a param of this name stands outside the systems. Such a one that the system does not
+    /// read is none of its own, but of the file.
+    fn shares_param(&self, name: &str) -> bool {
+        let items = parse(&self.text).file.items;
+        items.iter().any(|item| matches!(item, syntax::FileItem::Param(p) if p.name.text == name))
+    }
+
+    /// The line of a place, from 1.
+    pub fn line(&self, span: Span) -> usize {
+        let before = self.text.as_bytes().get(..span.start as usize).unwrap_or_default();
+        before.iter().filter(|&&b| b == b'\n').count() + 1
     }
 }
 
-/// A plan and the roots it starts from.
+fn unreadable_rules(path: &Path, e: &io::Error) -> Failure {
+    let longer = PathBuf::from(format!("{}.burgeon", path.display()));
+    let help = match e.kind() {
+        io::ErrorKind::NotFound if longer.is_file() => format!("\nhelp: there is {}", longer.display()),
+        _ => String::new(),
+    };
+    Failure::File(format!("error: {}{help}", cannot_read(path, e)))
+}
+
+fn cannot_read(path: &Path, e: &io::Error) -> String {
+    let path = path.display();
+    match e.kind() {
+        io::ErrorKind::NotFound => format!("cannot read {path}: there is no such file"),
+        io::ErrorKind::IsADirectory => format!("cannot read {path}: it is a folder"),
+        _ => format!("cannot read {path}: {e}"),
+    }
+}
+
+/// A line of help, if one of the names is near.
+fn did_you_mean<'a>(name: &str, names: impl IntoIterator<Item = &'a str>) -> String {
+    nearest(name, names).map_or(String::new(), |n| format!("\nhelp: did you mean `{n}`?"))
+}
+
+/// Whether the name of a file ends like this, in any case.
+pub fn has_extension(path: &Path, extension: &str) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
+}
+
+/// A plan, the roots it starts from, and the values it is run with.
 pub struct Job {
     pub plan: Plan,
     pub axiom: patch::Axiom,
+    pub set: Vec<(String, Value)>,
+    pub uniforms: Vec<Value>,
+    source: Source,
 }
 
-/// Reads the rule file and the axiom's files, and makes the plan.
+/// Reads the rule file and the axiom's files, and makes the plan. All that can be wrong with them is
+/// found here, before a device is opened.
 pub fn job(flags: &flags::Derive) -> Result<Job, Failure> {
     let source = Source::read(&flags.system.file)?;
     source.refuse_errors()?;
     let system = source.system(flags.system.system.as_deref())?;
     let plan = Plan::new(system).map_err(|e| source.unsupported(&e))?;
-    let axiom = axiom(&source, system, flags.input.as_deref())?;
-    Ok(Job { plan, axiom })
+    let set = set(&source, system, &flags.set)?;
+    let uniforms = plan.uniforms(&set).map_err(|e| failure(&source, &plan, e))?;
+    schedule::unroll(&plan, &uniforms).map_err(|e| failure(&source, &plan, e))?;
+    let axiom = axiom(&source, system, flags.input.as_deref()).map_err(|e| e.failure(&source))?;
+    Ok(Job { plan, axiom, set, uniforms, source })
+}
+
+impl Job {
+    /// An error of the plan by whose fault it is, with the place where that is known.
+    pub fn failure(&self, e: plan::Error) -> Failure {
+        failure(&self.source, &self.plan, e)
+    }
+}
+
+/// What of `--set` goes to the system: a param of the file that it does not read is left out.
+fn set(source: &Source, system: &System, given: &[(String, Value)]) -> Result<Vec<(String, Value)>, Failure> {
+    let own = |name: &str| {
+        let param = |u: &&burgeon::language::system::Uniform| matches!(u.kind, UniformKind::Param { .. });
+        system.uniforms.iter().filter(param).any(|u| u.name == name)
+    };
+    let mut set = Vec::new();
+    for (name, value) in given {
+        if own(name) {
+            set.push((name.clone(), value.clone()));
+        } else if source.shares_param(name) {
+            say(&format!("note: {} does not read the param `{name}` that --set gives", system.name));
+        } else {
+            return Err(Failure::Usage(format!("error: {}", no_such_param(system, name))));
+        }
+    }
+    Ok(set)
+}
+
+fn no_such_param(system: &System, name: &str) -> String {
+    let params = system.uniforms.iter().filter(|u| matches!(u.kind, UniformKind::Param { .. }));
+    let params: Vec<&str> = params.map(|u| u.name.as_str()).collect();
+    match params.as_slice() {
+        [] => format!("--set {name}: the system {} has no params", system.name),
+        list => {
+            let help = did_you_mean(name, list.iter().copied());
+            format!("--set {name}: no such param of {}; it has {}{help}", system.name, list.join(", "))
+        }
+    }
+}
+
+/// The same for a job that is still in the making.
+fn failure(source: &Source, plan: &Plan, e: plan::Error) -> Failure {
+    let at = |span: Span, text: &str| source.error(Diagnostic::error("E0404", span, text));
+    let system = &plan.system;
+    match &e {
+        plan::Error::Unsupported(e) => source.unsupported(e),
+        plan::Error::Value(text) => at(place_of_value(system, text), text),
+        plan::Error::Axiom(text) => at(place_of_axiom(system), text),
+        _ => super::run::of_plan(e),
+    }
+}
+
+/// Where the expression without a value stands: the message begins with what it belongs to.
+fn place_of_value(system: &System, text: &str) -> Span {
+    let constant = text.strip_prefix("const ").and_then(|rest| rest.split(':').next());
+    let constant = constant.and_then(|name| system.uniforms.iter().find(|u| u.name == name));
+    match constant {
+        Some(constant) => constant.span,
+        None if text.starts_with("axiom") => place_of_axiom(system),
+        None => system.run.first().map_or(system.source.name.span, |step| step.span),
+    }
+}
+
+fn place_of_axiom(system: &System) -> Span {
+    let first = match &system.axiom {
+        Axiom::Patches(starts) => starts.first(),
+        _ => None,
+    };
+    first.map_or(system.source.name.span, |start| start.span)
+}
+
+/// Why there are no roots.
+pub enum AxiomError {
+    /// The rule file names a file that is not there.
+    Missing(Diagnostic),
+    /// The rule file is at fault, at this place.
+    Rules(Diagnostic),
+    /// A file of patches is, or a flag.
+    Other(Failure),
+}
+
+impl AxiomError {
+    pub fn failure(self, source: &Source) -> Failure {
+        match self {
+            AxiomError::Missing(d) | AxiomError::Rules(d) => source.error(d),
+            AxiomError::Other(failure) => failure,
+        }
+    }
 }
 
 /// Reads the axiom's files, relative to the rule file; `input` stands for every source that names
 /// the same file as the first.
-pub fn axiom(source: &Source, system: &System, input: Option<&Path>) -> Result<patch::Axiom, Failure> {
-    let first = first_file(system);
-    if let (Some(input), None) = (input, &first) {
-        return Err(Failure::Usage(format!(
-            "--in {}: the axiom of {} names no file that it could replace",
-            input.display(),
-            system.name
-        )));
+pub fn axiom(source: &Source, system: &System, input: Option<&Path>) -> Result<patch::Axiom, AxiomError> {
+    let files = files(system);
+    let first = files.first().map(|(name, _)| *name);
+    if let (Some(input), None) = (input, first) {
+        let what = format!("error: --in {}: the axiom of {} names no file", input.display(), system.name);
+        return Err(AxiomError::Other(Failure::Usage(format!("{what} that it could replace"))));
     }
-    let rational = matches!(system.kind, Kind::Patch { rational: true, .. });
     let folder = source.path.parent().unwrap_or(Path::new(""));
-    let mut read = |name: &str| {
-        let path = match input {
-            Some(input) if first.as_deref() == Some(name) => input.to_path_buf(),
-            _ => folder.join(name),
-        };
-        read_nets(&path, rational)
+    let mut missing = None;
+    let mut read = |name: &str| match input {
+        Some(input) if first == Some(name) => read_nets(input, system),
+        _ => {
+            let path = folder.join(name);
+            if !path.exists() {
+                missing = files.iter().find(|(file, _)| *file == name).map(|(_, span)| *span);
+            }
+            read_nets(&path, system)
+        }
     };
-    patch::Axiom::load(system, &mut read).map_err(|e| match e {
-        patch::AxiomError::Source(text) => Failure::File(text),
-        patch::AxiomError::Wrong { message, span } => {
-            Failure::File(source.render(&[Diagnostic::error("E0402", span, message)]))
+    let result = patch::Axiom::load(system, &mut read);
+    result.map_err(|e| match (e, missing) {
+        (patch::AxiomError::Source(text), Some(span)) => {
+            let hint = "paths are relative to the rule file; --in FILE reads another one";
+            AxiomError::Missing(Diagnostic::error("E0405", span, text).hint(hint))
+        }
+        (patch::AxiomError::Source(text), None) => AxiomError::Other(Failure::File(format!("error: {text}"))),
+        (patch::AxiomError::Wrong { message, span }, _) => {
+            AxiomError::Rules(Diagnostic::error("E0402", span, message))
         }
     })
 }
 
-fn first_file(system: &System) -> Option<String> {
-    let Axiom::Patches(starts) = &system.axiom else { return None };
-    starts.iter().find_map(|s| match &s.source {
-        PatchSource::File { path, .. } => Some(path.clone()),
-        _ => None,
-    })
+/// The files that the axiom names, and where.
+fn files(system: &System) -> Vec<(&str, Span)> {
+    let Axiom::Patches(starts) = &system.axiom else { return Vec::new() };
+    starts
+        .iter()
+        .filter_map(|s| match &s.source {
+            PatchSource::File { path, span, .. } => Some((path.as_str(), *span)),
+            _ => None,
+        })
+        .collect()
 }
 
-/// The nets of a .bpt file; a parse error shows the line, cut around the place.
-fn read_nets(path: &Path, rational: bool) -> Result<Vec<patch::Net>, String> {
-    match path.extension().and_then(|e| e.to_str()) {
-        Some("bpt") => {}
-        _ => return Err(format!("{}: patches are read from .bpt files", path.display())),
+/// The nets of a .bpt file, of the degree that the system rewrites; a parse error shows the line, cut
+/// around the place.
+fn read_nets(path: &Path, system: &System) -> Result<Vec<patch::Net>, String> {
+    if !has_extension(path, "bpt") {
+        return Err(format!("cannot read {}: patches are read from .bpt files", path.display()));
     }
-    bpt::read(path, rational).map_err(|e| match &e {
+    let rational = matches!(system.kind, Kind::Patch { rational: true, .. });
+    let nets = bpt::read(path, rational).map_err(|e| match &e {
+        bpt::ReadError::Io { source, .. } => cannot_read(path, source),
         bpt::ReadError::Text { error, .. } => {
             let bytes = std::fs::read(path).unwrap_or_default();
             let line = bytes.split(|b| *b == b'\n').nth(error.line.saturating_sub(1)).unwrap_or(&[]);
-            format!("error: {e}\n{}", excerpt(&String::from_utf8_lossy(line), error.column))
+            format!("{e}\n{}", excerpt(&String::from_utf8_lossy(line), error.line, error.column))
         }
-        _ => format!("error: {e}"),
-    })
+    })?;
+    let Kind::Patch { degree, .. } = system.kind else { return Ok(nets) };
+    match nets.iter().position(|net| net.degree != degree) {
+        None => Ok(nets),
+        Some(patch) => {
+            let ([u, v], [m, n]) = (nets[patch].degree, degree);
+            let what = format!("patch {patch} of {} has degree {u}×{v}", path.display());
+            Err(format!("{what}; {} rewrites nets of degree {m}×{n}", system.name))
+        }
+    }
 }
 
 /// The line, at most 120 columns of it, and a caret below `column` (from 1).
-fn excerpt(line: &str, column: usize) -> String {
+fn excerpt(line: &str, number: usize, column: usize) -> String {
+    const SHOWN: usize = 110;
     let characters: Vec<char> =
         line.trim_end().chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     let at = column.saturating_sub(1).min(characters.len());
-    let start = at.saturating_sub(60);
-    let end = characters.len().min(start + 120);
+    let start = at.saturating_sub(SHOWN / 2);
+    let end = characters.len().min(start + SHOWN);
+    let mark = |cut: bool| if cut { "…" } else { "" };
+    let (before, behind) = (mark(start > 0), mark(end < characters.len()));
     let shown: String = characters[start..end].iter().collect();
-    format!("  | {shown}\n  | {}^", " ".repeat(at - start))
+    let number = number.to_string();
+    let (margin, indent) = (" ".repeat(number.len()), " ".repeat(at - start + before.chars().count()));
+    format!("{margin} |\n{number} | {before}{shown}{behind}\n{margin} | {indent}^")
 }
 
-/// Half of the machine's memory; 4 GiB where the system does not say.
+/// A size for people: `1.50 GiB`.
+pub fn size(bytes: u64) -> String {
+    HumanBytes(bytes).to_string()
+}
+
+/// Half of the memory that the machine has, or the container; 4 GiB where the system does not say.
 pub fn half_of_memory() -> u64 {
     let total = sysinfo::System::new().map(|mut system| {
         system.refresh_memory();
-        system.total_memory()
+        let limit = system.cgroup_limits().map(|limits| limits.total_memory).filter(|limit| *limit > 0);
+        limit.map_or(system.total_memory(), |limit| limit.min(system.total_memory()))
     });
     total.map_or(4 << 30, |bytes| (bytes / 2).max(1 << 28))
 }

@@ -6,13 +6,15 @@ mod devices;
 mod flags;
 mod load;
 mod output;
+mod progress;
+mod quiet;
 mod run;
 mod show;
+mod stop;
 
 use clap::{Parser, Subcommand};
 use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
-use std::sync::atomic::AtomicBool;
 
 /// Curves, patches and meshes, refined and grown by parallel rewriting on any GPU.
 #[derive(Parser)]
@@ -22,12 +24,19 @@ struct Cli {
     command: Command,
 }
 
-const EXITS: &str = "Exit status: 0 done; 1 an input or output file is at fault; 2 wrong usage; \
-3 the device or the memory budget; 4 CPU and GPU disagree; 130 stopped by Ctrl-C.";
+const EXITS: &str = "\
+Exit status:
+    0  done
+    1  an input or output file is at fault
+    2  wrong usage
+    3  the device or a limit, such as the memory budget
+    4  CPU and GPU disagree (compare)
+  130  stopped by Ctrl-C";
 
 #[derive(Subcommand)]
 enum Command {
     /// Derive a system and write what came of it
+    #[command(after_help = flags::RUN_EXAMPLES)]
     Run(flags::Run),
     /// Parse, check and compile a rule file; say everything that is wrong with it
     Check(flags::Check),
@@ -41,7 +50,17 @@ enum Command {
     Bench(flags::Bench),
 }
 
-/// Why a command ended, as its exit status says it.
+impl Command {
+    fn looks_for_adapters(&self) -> bool {
+        match self {
+            Command::Run(flags) => flags.backend != flags::Backend::Cpu || output::needs_adapter(&flags.out),
+            Command::Compare(_) | Command::Devices(_) | Command::Bench(_) => true,
+            Command::Check(_) | Command::Wgsl(_) => false,
+        }
+    }
+}
+
+/// Why a command ended, as its exit status says it. The text is what stderr shows.
 #[derive(Debug)]
 pub enum Failure {
     /// An input or output file is at fault.
@@ -57,6 +76,18 @@ pub enum Failure {
 }
 
 impl Failure {
+    /// This failure, saying what the other says, too.
+    fn and(self, other: Failure) -> Failure {
+        let text = format!("{}\n{}", self.parts().1.trim_end(), other.parts().1);
+        match self {
+            Failure::File(_) => Failure::File(text),
+            Failure::Usage(_) => Failure::Usage(text),
+            Failure::Device(_) => Failure::Device(text),
+            Failure::Differ(_) => Failure::Differ(text),
+            Failure::Stopped(_) => Failure::Stopped(text),
+        }
+    }
+
     fn parts(&self) -> (u8, &str) {
         match self {
             Failure::File(text) => (1, text),
@@ -68,15 +99,20 @@ impl Failure {
     }
 }
 
-/// Set by Ctrl-C.
-static STOP: AtomicBool = AtomicBool::new(false);
+/// All that was said; the first failure decides what is at fault.
+pub fn joined(failures: Vec<Failure>) -> Result<(), Failure> {
+    let mut failures = failures.into_iter();
+    let Some(first) = failures.next() else { return Ok(()) };
+    Err(failures.fold(first, Failure::and))
+}
 
 /// Parses the flags and runs the subcommand.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
-    // Without a handler Ctrl-C still ends the program, only less cleanly.
-    let _ = ctrlc::set_handler(|| STOP.store(true, std::sync::atomic::Ordering::Relaxed));
-    let result = match cli.command {
+    let command = Cli::parse().command;
+    if command.looks_for_adapters() {
+        quiet::without_wayland();
+    }
+    let result = match command {
         Command::Run(flags) => run::run(&flags),
         Command::Check(flags) => show::check(&flags),
         Command::Wgsl(flags) => show::wgsl(&flags),
@@ -96,8 +132,13 @@ pub fn main() -> ExitCode {
 
 /// A message to stderr.
 pub fn say(text: &str) {
+    let text = text.trim_end();
+    let text = match (colored(), text.strip_prefix("error:")) {
+        (true, Some(rest)) => format!("\x1b[1;31merror\x1b[0m:{rest}"),
+        _ => text.to_string(),
+    };
     // Where stderr is closed nobody can be told.
-    let _ = writeln!(std::io::stderr(), "{}", text.trim_end());
+    let _ = writeln!(std::io::stderr(), "{text}");
 }
 
 /// Text to stdout; a reader that has gone away (`burgeon wgsl … | head`) is no failure.
@@ -105,7 +146,7 @@ pub fn print(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
-            Err(Failure::File(format!("cannot write to the standard output: {e}")))
+            Err(Failure::File(format!("error: cannot write to the standard output: {e}")))
         }
         _ => Ok(()),
     }
@@ -114,4 +155,10 @@ pub fn print(text: &str) -> Result<(), Failure> {
 /// Whether messages are coloured.
 pub fn colored() -> bool {
     std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none()
+}
+
+/// `1 step`, `2 steps`.
+pub fn counted(n: u64, noun: &str) -> String {
+    let s = if n == 1 { "" } else { "s" };
+    format!("{} {noun}{s}", indicatif::HumanCount(n))
 }

@@ -1,7 +1,9 @@
 //! What a run writes, by the extension of its name.
 
+use super::progress::Bar;
 use super::run::Device;
-use super::{Failure, flags};
+use super::stop::{self, Stoppable};
+use super::{Failure, flags, load};
 use burgeon::io::{self, FileError, WriteError};
 use burgeon::patch::Word;
 use burgeon::tessellate::{self, Mesh};
@@ -23,60 +25,70 @@ pub struct Target {
 
 /// The targets, before anything runs: an extension that nobody writes is wrong usage.
 pub fn targets(paths: &[PathBuf]) -> Result<Vec<Target>, Failure> {
+    const FORMATS: [(&str, Format); 4] =
+        [("bpt", Format::Bpt), ("json", Format::Json), ("obj", Format::Obj), ("png", Format::Png)];
     let target = |path: &PathBuf| {
-        let format = match path.extension().and_then(|e| e.to_str()) {
-            Some("bpt") => Format::Bpt,
-            Some("json") => Format::Json,
-            Some("obj") => Format::Obj,
-            Some("png") => Format::Png,
-            _ => {
-                let what =
-                    format!("--out {}: a patch word is written as .bpt .json .obj or .png", path.display());
-                return Err(Failure::Usage(what));
+        let format = FORMATS.iter().find(|(extension, _)| load::has_extension(path, extension));
+        match format {
+            Some((_, format)) => Ok(Target { path: path.clone(), format: *format }),
+            None => {
+                let what = "patches are written as .bpt, .json, .obj or .png";
+                Err(Failure::Usage(format!("error: --out {}: {what}", path.display())))
             }
-        };
-        Ok(Target { path: path.clone(), format })
+        }
     };
     paths.iter().map(target).collect()
 }
 
-/// Writes all targets.
+/// Whether one of these is a picture.
+pub fn needs_adapter(paths: &[PathBuf]) -> bool {
+    paths.iter().any(|path| load::has_extension(path, "png"))
+}
+
+/// Writes all targets: where one fails, the others are still written.
 pub fn write(
     targets: &[Target],
     word: &Word,
     flags: &flags::Run,
     device: Option<&Device>,
+    bar: &Bar,
 ) -> Result<(), Failure> {
     let needs_mesh = targets.iter().any(|t| matches!(t.format, Format::Obj | Format::Png));
-    let mesh = if needs_mesh { Some(mesh(word, flags.grid as usize)?) } else { None };
-    let mut failed = None;
+    let mesh = if needs_mesh { mesh(word, flags.grid as usize, bar) } else { Ok(Mesh::default()) };
+    let mut failures = Vec::new();
     for target in targets {
+        if stop::requested() {
+            break;
+        }
+        bar.writing(&target.path);
         let result = match (target.format, &mesh) {
             (Format::Bpt, _) => file(&target.path, |w| io::bpt::write(w, word)),
             (Format::Json, _) => file(&target.path, |w| io::json::write(w, word)),
-            (Format::Obj, Some(mesh)) => file(&target.path, |w| io::obj::write(w, mesh, &word.system)),
-            (Format::Png, Some(mesh)) => picture(&target.path, mesh, flags, device),
-            (_, None) => Ok(()),
+            (Format::Obj, Ok(mesh)) => file(&target.path, |w| io::obj::write(w, mesh, &word.system)),
+            (Format::Png, Ok(mesh)) => picture(&target.path, mesh, flags, device),
+            (_, Err(why)) => Err(Failure::Device(format!("error: {}: {why}", target.path.display()))),
         };
-        // The others are still written.
-        failed = failed.or(result.err());
+        failures.extend(result.err());
     }
-    failed.map_or(Ok(()), Err)
+    stop::check("before all files were written; those written are whole")?;
+    super::joined(failures)
 }
 
-fn mesh(word: &Word, grid: usize) -> Result<Mesh, Failure> {
+fn mesh(word: &Word, grid: usize, bar: &Bar) -> Result<Mesh, tessellate::Error> {
     let n = tessellate::grid_for(word.modules.len(), grid);
     if n < grid {
-        super::say(&format!("--grid {n} in place of {grid}: more would make over 2 million triangles"));
+        let why = "more cells a leaf would make over 2 million triangles";
+        bar.say(&format!("note: --grid {n} in place of {grid}: {why}"));
     }
-    tessellate::dice(word, n).map_err(|e| Failure::Device(format!("error: {e}")))
+    tessellate::dice(word, n)
 }
 
 fn file(
     path: &Path,
     content: impl FnOnce(&mut dyn std::io::Write) -> Result<(), WriteError>,
 ) -> Result<(), Failure> {
-    io::write_atomically(path, content).map_err(|e: FileError| Failure::File(format!("error: {e}")))
+    io::write_atomically(path, |w| content(&mut Stoppable(w)))
+        .map_err(|e: FileError| Failure::File(format!("error: {e}")))
 }
 
 #[cfg(feature = "gpu")]

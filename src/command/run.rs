@@ -1,12 +1,12 @@
 //! `burgeon run`.
 
-use super::load::{self, Job};
-use super::{Failure, STOP, flags, output, print, say};
-use burgeon::plan::derive::StepStats;
+use super::load::{self, Job, size};
+use super::progress::Bar;
+use super::{Failure, counted, flags, output, print, say, stop};
+use burgeon::cpu::Cpu;
+use burgeon::patch;
+use burgeon::plan::derive::{self, StepStats};
 use burgeon::plan::{self, Options, Progress};
-use burgeon::{cpu, patch};
-use indicatif::{HumanBytes, HumanCount, ProgressBar, ProgressStyle};
-use std::io::IsTerminal;
 use std::time::Instant;
 
 /// Derives and writes.
@@ -14,46 +14,36 @@ pub fn run(flags: &flags::Run) -> Result<(), Failure> {
     let start = Instant::now();
     let targets = output::targets(&flags.out)?;
     let job = load::job(&flags.derive)?;
-    let bar = bar(flags.derive.steps);
-    let progress = |p: Progress| {
-        bar.set_length(p.of as u64);
-        bar.set_position(p.step as u64);
-        bar.set_message(format!("{} modules, {}", HumanCount(p.modules), HumanBytes(p.bytes)));
-    };
-    let options = options(&flags.derive, &progress);
+    stop::watch();
+    let bar = Bar::new();
+    let progress = |p: Progress| bar.step(p);
+    let options = options(&flags.derive, &job, &progress);
     let derived = derive(flags, &job, &options);
-    bar.finish_and_clear();
+    if derived.is_err() {
+        bar.clear();
+    }
     let derived = derived?;
-    output::write(&targets, &derived.word, flags, derived.device.as_ref())?;
+    let written = output::write(&targets, &derived.word, flags, derived.device.as_ref(), &bar);
+    bar.clear();
+    written?;
     if flags.stats {
         return print(&format!("{}\n", stats(&derived, start)));
     }
     let Derived { word, .. } = &derived;
-    let steps = if word.steps == 1 { "step" } else { "steps" };
-    print(&format!("{}: {} {steps}, {} modules\n", word.system, word.steps, word.modules.len()))
+    let (steps, modules) = (word.steps as u64, word.modules.len() as u64);
+    print(&format!("{}: {}, {}\n", word.system, counted(steps, "step"), counted(modules, "module")))
 }
 
 /// How the library is to run.
-pub fn options<'a>(flags: &flags::Derive, progress: &'a dyn Fn(Progress)) -> Options<'a> {
+pub fn options<'a>(flags: &flags::Derive, job: &Job, progress: &'a dyn Fn(Progress)) -> Options<'a> {
     Options {
-        set: flags.set.clone(),
+        set: job.set.clone(),
         steps: flags.steps,
         max_bytes: flags.max_memory.unwrap_or_else(load::half_of_memory),
         chunk_modules: None,
-        stop: Some(&STOP),
+        stop: Some(&stop::STOP),
         progress: Some(progress),
     }
-}
-
-fn bar(steps: Option<u32>) -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(steps.unwrap_or(0) as u64);
-    if let Ok(style) = ProgressStyle::with_template("step {pos}/{len} [{bar:30}] {msg}") {
-        bar.set_style(style.progress_chars("=> "));
-    }
-    bar
 }
 
 /// A word, and how it came about.
@@ -94,13 +84,13 @@ fn device(flags: &flags::Run) -> Result<Option<Device>, Failure> {
     match Device::new(requirement) {
         Ok(device) => {
             if flags.backend == flags::Backend::Auto {
-                say(&format!("on {} ({:?})", device.info.name, device.info.backend));
+                say(&format!("note: on {}", super::devices::label(&device.info)));
             }
             Ok(Some(device))
         }
         Err(e) if asked_for => Err(Failure::Device(format!("error: {e}"))),
         Err(e) => {
-            say(&format!("on the CPU: {e}"));
+            say(&format!("note: on the CPU: {e}"));
             Ok(None)
         }
     }
@@ -120,14 +110,17 @@ fn device(flags: &flags::Run) -> Result<Option<Device>, Failure> {
 fn on_gpu(job: &Job, options: &Options, device: Device) -> Result<Derived, Failure> {
     use burgeon::gpu::{Engine, Gpu};
     let engine = Engine::new(&device.device, &device.queue);
-    let uniforms = job.plan.uniforms(&options.set).map_err(of_plan)?;
+    let failure = |e| match e {
+        burgeon::gpu::Error::Plan(e) => job.failure(e),
+        e => of_gpu(e),
+    };
     let start = Instant::now();
-    let mut gpu = Gpu::new(&engine, &job.plan, &uniforms).map_err(of_gpu)?;
-    gpu.compile().map_err(of_gpu)?;
+    let mut gpu = Gpu::new(&engine, &job.plan, &job.uniforms).map_err(failure)?;
+    gpu.compile().map_err(failure)?;
     let compile_ms = milliseconds(start);
     let derivation =
-        plan::derive::derive(&job.plan, &job.axiom, &uniforms, options, &mut gpu).map_err(of_gpu)?;
-    let word = plan::derive::collect(&job.plan, &mut gpu, &derivation).map_err(of_gpu)?;
+        derive::derive(&job.plan, &job.axiom, &job.uniforms, options, &mut gpu).map_err(failure)?;
+    let word = derive::collect(&job.plan, &mut gpu, &derivation).map_err(failure)?;
     drop(gpu);
     Ok(Derived {
         word,
@@ -141,7 +134,11 @@ fn on_gpu(job: &Job, options: &Options, device: Device) -> Result<Derived, Failu
 }
 
 fn on_cpu(job: &Job, options: &Options, threads: usize) -> Result<Derived, Failure> {
-    let (word, derivation) = cpu::derive(&job.plan, &job.axiom, options, threads).map_err(of_plan)?;
+    let mut cpu = cpu(job, threads)?;
+    let failure = |e| job.failure(e);
+    let derivation =
+        derive::derive(&job.plan, &job.axiom, &job.uniforms, options, &mut cpu).map_err(failure)?;
+    let word = derive::collect(&job.plan, &mut cpu, &derivation).map_err(failure)?;
     Ok(Derived {
         word,
         backend: "cpu",
@@ -153,13 +150,28 @@ fn on_cpu(job: &Job, options: &Options, threads: usize) -> Result<Derived, Failu
     })
 }
 
+/// The CPU backend of a job. Threads are all that it can lack.
+pub fn cpu(job: &Job, threads: usize) -> Result<Cpu<'_>, Failure> {
+    Cpu::new(&job.plan, &job.uniforms, threads).map_err(|e| Failure::Device(format!("error: {e}")))
+}
+
 /// An error of the plan by whose fault it is.
 pub fn of_plan(e: plan::Error) -> Failure {
     let text = format!("error: {e}");
     match e {
         plan::Error::Set(_) => Failure::Usage(text),
-        plan::Error::Memory { .. } | plan::Error::TooDeep { .. } => Failure::Device(text),
-        plan::Error::Stopped { .. } => Failure::Stopped(text),
+        plan::Error::Memory { needed, modules, step, budget } => {
+            let who = if step == 0 { "the axiom alone".to_string() } else { format!("step {step}") };
+            let help = if step == 0 { "raise" } else { "derive fewer steps (--steps, --set) or raise" };
+            let (modules, needed, budget) = (counted(modules, "module"), size(needed), size(budget));
+            let what = format!("{who} needs at least {needed} for {modules}; the memory budget is {budget}");
+            Failure::Device(format!("error: {what}\nhelp: {help} --max-memory"))
+        }
+        plan::Error::TooDeep { .. } => Failure::Device(format!("{text}\nhelp: derive fewer steps (--steps)")),
+        plan::Error::Stopped { steps } => {
+            let steps = counted(steps as u64, "step");
+            Failure::Stopped(format!("error: stopped by Ctrl-C after {steps}; nothing was written"))
+        }
         plan::Error::Unsupported(_) | plan::Error::Value(_) | plan::Error::Axiom(_) => Failure::File(text),
     }
 }

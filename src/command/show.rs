@@ -1,9 +1,9 @@
 //! `burgeon check` and `burgeon wgsl`.
 
-use super::load::Source;
-use super::{Failure, flags, print, say};
+use super::load::{self, AxiomError, Source};
+use super::{Failure, counted, flags, print, say};
 use burgeon::codegen::{self, Tuning};
-use burgeon::language::system::{Kind, System};
+use burgeon::language::system::{Axiom, System};
 use burgeon::language::{Diagnostic, Severity};
 use burgeon::plan::Plan;
 use burgeon::plan::derive::StageId;
@@ -12,48 +12,54 @@ use burgeon::plan::derive::StageId;
 pub fn check(flags: &flags::Check) -> Result<(), Failure> {
     let source = Source::read(&flags.file)?;
     let mut list = source.checked.diagnostics.clone();
-    let mut notes = Vec::new();
+    let mut failures = Vec::new();
+    let mut lines = Vec::new();
     for system in &source.checked.systems {
         match compiled(&source, system) {
-            Ok(Some(note)) => notes.push(note),
-            Ok(None) => {}
-            Err(d) => list.push(d),
+            Ok(note) => lines.push(format!("{}: {note}\n", system.name)),
+            Err(Wrong::Rules(d)) => list.push(d),
+            Err(Wrong::Other(failure)) => failures.push(failure),
         }
     }
     if list.iter().any(|d| d.severity == Severity::Error) {
-        return Err(Failure::File(source.render(&list)));
-    }
-    if !list.is_empty() {
+        failures.insert(0, Failure::File(source.render(&list)));
+    } else if !list.is_empty() {
         say(&source.render(&list));
     }
-    let names: Vec<&str> = source.checked.systems.iter().map(|s| s.name.as_str()).collect();
-    let mut text = match names.as_slice() {
-        [] => format!("{}: no system\n", flags.file.display()),
-        names => format!("{}: {} checked\n", flags.file.display(), names.join(", ")),
-    };
-    notes.iter().for_each(|n| text.push_str(n));
-    print(&text)
+    super::joined(failures)?;
+    match lines.as_slice() {
+        [] => print(&format!("{}: no system\n", flags.file.display())),
+        lines => print(&lines.concat()),
+    }
+}
+
+/// What keeps a system from being derived, but for what this version does not do.
+enum Wrong {
+    Rules(Diagnostic),
+    Other(Failure),
 }
 
 /// Compiles what is derived, and says what is not; then whether the axiom's files fit.
-fn compiled(source: &Source, system: &System) -> Result<Option<String>, Diagnostic> {
-    if !matches!(system.kind, Kind::Patch { .. }) {
-        return Ok(Some(format!("  {}: this version checks it and does not derive it\n", system.name)));
-    }
+fn compiled(source: &Source, system: &System) -> Result<String, Wrong> {
     let plan = match Plan::new(system) {
         Ok(plan) => plan,
-        Err(e) => return Ok(Some(format!("  {}: {e}\n", system.name))),
+        Err(e) => return Ok(format!("checked; {e}, line {}", source.line(e.span))),
     };
     for id in stages(&plan) {
         if let Err(e) = codegen::stage(&plan, id, &Tuning::GPU) {
             let span = e.rule.unwrap_or(system.source.name.span);
-            return Err(Diagnostic::error("E0403", span, e.to_string()));
+            return Err(Wrong::Rules(Diagnostic::error("E0403", span, e.to_string())));
         }
     }
-    // A file that is not there is no fault of the rules; one that is there is read.
-    match super::load::axiom(source, system, None) {
-        Err(Failure::File(text)) => Ok(Some(format!("  {}: {}\n", system.name, text.trim_end()))),
-        _ => Ok(None),
+    if matches!(system.axiom, Axiom::None) {
+        return Ok("checked and compiled; `run` needs an axiom".to_string());
+    }
+    match load::axiom(source, system, None) {
+        Ok(axiom) => Ok(format!("checked and compiled, {}", counted(axiom.roots.len() as u64, "root"))),
+        // The rules may be right where the file is not there yet.
+        Err(AxiomError::Missing(d)) => Ok(format!("checked and compiled; {}", d.message)),
+        Err(AxiomError::Rules(d)) => Err(Wrong::Rules(d)),
+        Err(AxiomError::Other(failure)) => Err(Wrong::Other(failure)),
     }
 }
 
@@ -72,14 +78,14 @@ pub fn wgsl(flags: &flags::Wgsl) -> Result<(), Failure> {
     let failed = |e: codegen::Error| Failure::File(format!("error: {e}"));
     let mut text = String::new();
     let mut add = |title: String, shader: &codegen::Shader| {
-        text.push_str(&format!("// ==== {} {title}\n\n{}\n", shader.name, shader.source));
+        text.push_str(&format!("// ---- {} {title}\n\n{}\n", shader.name, shader.source));
     };
     for id in stages(&plan) {
         let groups = &plan.tables.rule_sets[id.rule_set].groups;
         let names: Vec<&str> = groups.iter().map(|&g| system.groups[g].name.as_str()).collect();
         let with = names.join(", ");
-        let title =
-            format!("(rules {}stage {})", if with.is_empty() { with } else { with + ", " }, id.stage + 1);
+        let of = if with.is_empty() { system.name.clone() } else { format!("{}, rules {with}", system.name) };
+        let title = format!("of {of}, stage {}", id.stage + 1);
         let shaders = codegen::stage(&plan, id, &Tuning::GPU).map_err(failed)?;
         for shader in [&shaders.match_modules, &shaders.count, &shaders.emit] {
             add(title.clone(), shader);
@@ -87,7 +93,7 @@ pub fn wgsl(flags: &flags::Wgsl) -> Result<(), Failure> {
     }
     let shared = codegen::shared(&plan.tables.layout, &Tuning::GPU).map_err(failed)?;
     for shader in [&shared.scan, &shared.compact, &shared.retire] {
-        add("(all systems)".to_string(), shader);
+        add("of any system".to_string(), shader);
     }
     print(&text)
 }

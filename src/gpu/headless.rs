@@ -83,7 +83,8 @@ impl Headless {
 
 fn no_adapter(list: &[wgpu::Adapter], requirement: Requirement) -> String {
     const HINT: &str = "a software one comes with Mesa (Debian and Ubuntu: package mesa-vulkan-drivers)";
-    let names: Vec<String> = list.iter().map(|a| a.get_info().name).collect();
+    let name = |info: wgpu::AdapterInfo| format!("{} ({:?})", info.name, info.backend);
+    let names: Vec<String> = list.iter().map(|a| name(a.get_info())).collect();
     match requirement {
         Requirement::Named(text) if !names.is_empty() => {
             format!("no adapter's name holds `{text}`; there are: {}", names.join(", "))

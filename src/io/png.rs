@@ -31,6 +31,7 @@ pub fn write(writer: &mut dyn Write, image: &Image) -> Result<(), WriteError> {
     let mut encoder = png::Encoder::new(writer, image.width, image.height);
     encoder.set_color(png::ColorType::Rgba);
     encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::High);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
     let mut body = encoder.write_header().map_err(io_error)?;
     body.write_image_data(&image.pixels).map_err(io_error)?;

@@ -4,8 +4,8 @@ use super::Error;
 use super::camera::Unit;
 use crate::tessellate::Mesh;
 
-/// Position in −1..=1 and normal.
-pub(super) type Vertex = [f32; 6];
+/// Position in −1..=1, normal, linear colour.
+pub(super) type Vertex = [f32; 9];
 
 /// Some of the triangles, with the vertices that they use.
 #[derive(Debug, Default)]
@@ -18,8 +18,13 @@ pub(super) struct Batch {
 const NOWHERE: u32 = u32::MAX;
 
 /// Cuts the triangles, in order, into batches whose vertices and indices take at most `max_bytes`
-/// each (one triangle at the least).
-pub(super) fn batches(mesh: &Mesh, unit: &Unit, max_bytes: u64) -> Result<Vec<Batch>, Error> {
+/// each (one triangle at the least); `color` gives the linear colour of a vertex.
+pub(super) fn batches(
+    mesh: &Mesh,
+    unit: &Unit,
+    color: &dyn Fn(usize) -> [f32; 3],
+    max_bytes: u64,
+) -> Result<Vec<Batch>, Error> {
     let fits = |count: usize, size: usize| (count * size) as u64 <= max_bytes;
     let mut place = vec![NOWHERE; mesh.positions.len()];
     let mut used = Vec::new();
@@ -38,7 +43,8 @@ pub(super) fn batches(mesh: &Mesh, unit: &Unit, max_bytes: u64) -> Result<Vec<Ba
                 place[vertex] = batch.vertices.len() as u32;
                 used.push(vertex);
                 let ([x, y, z], [a, b, c]) = (unit.apply(mesh.positions[vertex]), mesh.normals[vertex]);
-                batch.vertices.push([x, y, z, a, b, c]);
+                let [red, green, blue] = color(vertex);
+                batch.vertices.push([x, y, z, a, b, c, red, green, blue]);
             }
             batch.indices.push(place[vertex]);
         }
@@ -74,17 +80,18 @@ mod tests {
         let mesh = Mesh { normals: positions.clone(), uvs: vec![[0.0; 2]; 40], positions, indices };
         let unit = Unit::of(&mesh.positions);
         for max_bytes in [1, 100, 200, 500, 1_000_000] {
-            let batches = batches(&mesh, &unit, max_bytes).expect("indices are in range");
+            let batches =
+                batches(&mesh, &unit, &|vertex| [vertex as f32; 3], max_bytes).expect("indices are in range");
             assert_eq!(batches.len() == 1, max_bytes == 1_000_000);
-            let mut normals = Vec::new();
+            let mut found = Vec::new();
             for batch in &batches {
                 let one = batch.indices.len() == 3;
-                assert!(one || batch.vertices.len() * 24 <= max_bytes as usize);
+                assert!(one || batch.vertices.len() * 36 <= max_bytes as usize);
                 assert!(one || batch.indices.len() * 4 <= max_bytes as usize);
-                normals.extend(batch.indices.iter().map(|&i| batch.vertices[i as usize][3..].to_vec()));
+                found.extend(batch.indices.iter().map(|&i| batch.vertices[i as usize][3..].to_vec()));
             }
-            let expected: Vec<_> = mesh.indices.iter().map(|&i| mesh.normals[i as usize].to_vec()).collect();
-            assert_eq!(normals, expected);
+            let normal_and_color = |&i: &u32| [mesh.normals[i as usize], [i as f32; 3]].concat();
+            assert_eq!(found, mesh.indices.iter().map(normal_and_color).collect::<Vec<_>>());
         }
     }
 
@@ -94,7 +101,10 @@ mod tests {
         let mesh =
             Mesh { normals: positions.clone(), uvs: vec![[0.0; 2]; 3], positions, indices: vec![0, 1, 3] };
         let unit = Unit::of(&mesh.positions);
-        assert!(matches!(batches(&mesh, &unit, 1000), Err(Error::Index { index: 3, vertices: 3 })));
+        assert!(matches!(
+            batches(&mesh, &unit, &|_| [0.0; 3], 1000),
+            Err(Error::Index { index: 3, vertices: 3 })
+        ));
         assert!(matches!(lines(&mesh, &unit, &[[0, 7]]), Err(Error::Index { index: 7, vertices: 3 })));
     }
 }

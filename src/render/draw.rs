@@ -1,7 +1,7 @@
 //! From a framed scene to pixels, on the device.
 
 use super::Error;
-use super::batch::{Batch, Vertex};
+use super::batch::Batch;
 use crate::io::png::Image;
 use wgpu::{BufferUsages, TextureFormat, TextureUsages, VertexFormat, VertexStepMode};
 
@@ -11,14 +11,14 @@ const COLOR: TextureFormat = TextureFormat::Rgba8UnormSrgb;
 const DEPTH: TextureFormat = TextureFormat::Depth32Float;
 const SAMPLES: u32 = 4;
 /// Width and height of the shadow map.
-const SHADOW: u32 = 1024;
+const SHADOW: u32 = 2048;
 
 /// Everything to draw, on the host.
 pub(super) struct Scene {
     pub batches: Vec<Batch>,
     /// Two end points each.
     pub lines: Vec<[f32; 6]>,
-    pub view: [[f32; 4]; 12],
+    pub view: [[f32; 4]; 11],
     /// Is there a ground that shadows fall on?
     pub ground: bool,
 }
@@ -187,7 +187,6 @@ impl Pipelines {
         let alone = layout("picture shadow", &[Some(&view_layout)]);
         let both = layout("picture", &[Some(&view_layout), Some(&shadows_layout)]);
         let new = Builder { device, module: &module, layout: &both };
-        let vertices = Some(VertexStepMode::Vertex);
         let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("picture shadow"),
             mag_filter: wgpu::FilterMode::Linear,
@@ -203,8 +202,8 @@ impl Pipelines {
                 wgpu::PrimitiveTopology::TriangleStrip,
                 Some(wgpu::BlendState::ALPHA_BLENDING),
             ),
-            surface: new.solid("surface", vertices),
-            line: new.solid("line", Some(VertexStepMode::Instance)),
+            surface: new.solid("surface", VERTEX),
+            line: new.solid("line", LINE),
             view: device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: Some("picture view"),
                 layout: &view_layout,
@@ -246,6 +245,18 @@ fn group_layouts(device: &wgpu::Device) -> [wgpu::BindGroupLayout; 2] {
     ]
 }
 
+/// What a pipeline reads from its buffer: so many times three floats, once a vertex or an instance.
+#[derive(Clone, Copy)]
+struct Input {
+    triples: u64,
+    step: VertexStepMode,
+}
+
+/// A [`Vertex`](super::batch::Vertex).
+const VERTEX: Input = Input { triples: 3, step: VertexStepMode::Vertex };
+/// Two end points.
+const LINE: Input = Input { triples: 2, step: VertexStepMode::Instance };
+
 /// What the pipelines have in common.
 #[derive(Clone, Copy)]
 struct Builder<'a> {
@@ -267,37 +278,40 @@ impl Builder<'_> {
     }
 
     /// Hidden by what is nearer.
-    fn solid(&self, name: &str, input: Option<VertexStepMode>) -> wgpu::RenderPipeline {
+    fn solid(&self, name: &str, input: Input) -> wgpu::RenderPipeline {
         let depth = Some(wgpu::DepthBiasState::default());
-        self.pipeline(name, input, wgpu::PrimitiveTopology::TriangleList, Some(COLOR.into()), depth)
+        self.pipeline(name, Some(input), wgpu::PrimitiveTopology::TriangleList, Some(COLOR.into()), depth)
     }
 
     /// Depth alone, set back so that a surface does not shade itself.
     fn shadow(&self) -> wgpu::RenderPipeline {
         let bias = wgpu::DepthBiasState { constant: 2, slope_scale: 2.0, clamp: 0.0 };
         let topology = wgpu::PrimitiveTopology::TriangleList;
-        self.pipeline("shadow", Some(VertexStepMode::Vertex), topology, None, Some(bias))
+        self.pipeline("shadow", Some(VERTEX), topology, None, Some(bias))
     }
 
     /// The pipeline of the entry points `name`_vertex and, with a color, `name`_fragment; `input` says
-    /// how it steps through pairs of three floats, if it reads any; without `depth` nothing hides it.
+    /// what it reads, if anything; without `depth` nothing hides it.
     fn pipeline(
         &self,
         name: &str,
-        input: Option<VertexStepMode>,
+        input: Option<Input>,
         topology: wgpu::PrimitiveTopology,
         color: Option<wgpu::ColorTargetState>,
         depth: Option<wgpu::DepthBiasState>,
     ) -> wgpu::RenderPipeline {
-        let pair = |step_mode| wgpu::VertexBufferLayout {
-            array_stride: size_of::<Vertex>() as u64,
-            step_mode,
-            attributes: &[
-                wgpu::VertexAttribute { format: VertexFormat::Float32x3, offset: 0, shader_location: 0 },
-                wgpu::VertexAttribute { format: VertexFormat::Float32x3, offset: 12, shader_location: 1 },
-            ],
+        let format = VertexFormat::Float32x3;
+        let attributes: [_; 3] = std::array::from_fn(|triple| wgpu::VertexAttribute {
+            format,
+            offset: triple as u64 * format.size(),
+            shader_location: triple as u32,
+        });
+        let layout = |Input { triples, step }| wgpu::VertexBufferLayout {
+            array_stride: triples * format.size(),
+            step_mode: step,
+            attributes: &attributes[..triples as usize],
         };
-        let buffers: Vec<_> = input.map(|step_mode| Some(pair(step_mode))).into_iter().collect();
+        let buffers: Vec<_> = input.map(|input| Some(layout(input))).into_iter().collect();
         let compare =
             if depth.is_some() { wgpu::CompareFunction::Less } else { wgpu::CompareFunction::Always };
         let fragment = format!("{name}_fragment");

@@ -5,6 +5,7 @@
 mod batch;
 mod camera;
 mod draw;
+mod supersample;
 
 use crate::io::png::Image;
 use crate::tessellate::Mesh;
@@ -19,8 +20,14 @@ pub struct Picture {
     pub height: u32,
     pub up: Up,
     pub camera: Camera,
+    /// Each pixel is the mean of this many squared, for detail finer than pixels: 1 to 4 are useful;
+    /// 0 is taken as 1.
+    pub supersample: u32,
     /// sRGB of the side that the normals point to.
     pub front: [u8; 3],
+    /// In place of `front` an sRGB for each vertex of the mesh; empty for none. For a colour a leaf take
+    /// [`per_vertex`](crate::tessellate::per_vertex).
+    pub colors: Vec<[u8; 3]>,
     /// sRGB of the other side.
     pub back: [u8; 3],
     /// sRGB of the background, at the top and at the bottom.
@@ -43,8 +50,10 @@ impl Default for Picture {
             height: 720,
             up: Up::Y,
             camera: Camera::default(),
+            supersample: 1,
             front: [217, 155, 108],
-            back: [104, 141, 172],
+            colors: Vec::new(),
+            back: [138, 163, 190],
             background: [[246, 247, 249], [205, 211, 219]],
             ground: true,
             lines: Vec::new(),
@@ -86,6 +95,7 @@ impl Default for Camera {
 /// Why there is no picture.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum Error {
+    /// `max` is what the device, or the supersampling, leaves.
     #[error("a picture of {width} × {height} pixels cannot be made; each side has 1 to {max}")]
     Size { width: u32, height: u32, max: u32 },
     #[error("vertex {vertex} is not finite, so there is nothing to frame")]
@@ -94,6 +104,8 @@ pub enum Error {
     Index { index: u32, vertices: usize },
     #[error("the mesh has {positions} positions but {normals} normals")]
     Normals { positions: usize, normals: usize },
+    #[error("the mesh has {positions} positions but the picture {colors} colors")]
+    Colors { positions: usize, colors: usize },
     /// The device refused or ran out of memory; in its words.
     #[error("the device cannot draw the picture: {0}")]
     Device(String),
@@ -114,25 +126,32 @@ pub fn render(
     options: &Picture,
 ) -> Result<Image, Error> {
     check(device, mesh, options)?;
+    let times = options.supersample.max(1);
     let unit = camera::Unit::of(&mesh.positions);
     let scene = draw::Scene {
-        batches: batch::batches(mesh, &unit, draw::buffer_limit(device))?,
+        batches: batch::batches(mesh, &unit, &colors(options), draw::buffer_limit(device))?,
         lines: batch::lines(mesh, &unit, &options.lines)?,
-        view: view(mesh, &unit, options),
+        view: view(mesh, &unit, options, times),
         ground: ground(options),
     };
-    draw::draw(device, queue, &scene, [options.width, options.height])
+    let size = [options.width, options.height];
+    let image = draw::draw(device, queue, &scene, size.map(|side| side * times))?;
+    Ok(supersample::averaged(image, times))
 }
 
 fn check(device: &wgpu::Device, mesh: &Mesh, options: &Picture) -> Result<(), Error> {
     let (width, height) = (options.width, options.height);
-    let max = device.limits().max_texture_dimension_2d.min(8192);
+    let max = device.limits().max_texture_dimension_2d.min(8192) / options.supersample.max(1);
     if width == 0 || height == 0 || width.max(height) > max {
         return Err(Error::Size { width, height, max });
     }
     let (positions, normals) = (mesh.positions.len(), mesh.normals.len());
     if positions != normals {
         return Err(Error::Normals { positions, normals });
+    }
+    let colors = options.colors.len();
+    if colors != 0 && colors != positions {
+        return Err(Error::Colors { positions, colors });
     }
     match mesh.positions.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
         Some(vertex) => Err(Error::NotFinite { vertex }),
@@ -149,9 +168,18 @@ fn ground(options: &Picture) -> bool {
         }
 }
 
-/// The record `View` of `wgsl/picture.wgsl`.
-fn view(mesh: &Mesh, unit: &camera::Unit, options: &Picture) -> [[f32; 4]; 12] {
-    let [width, height] = [options.width, options.height].map(f64::from);
+/// The linear colour of the front at each vertex.
+fn colors(options: &Picture) -> impl Fn(usize) -> [f32; 3] + '_ {
+    let table = supersample::linear_table();
+    move |vertex| {
+        let color = options.colors.get(vertex).copied().unwrap_or(options.front);
+        color.map(|byte| table[usize::from(byte)])
+    }
+}
+
+/// The record `View` of `wgsl/picture.wgsl`, for a picture so many `times` as wide and high.
+fn view(mesh: &Mesh, unit: &camera::Unit, options: &Picture, times: u32) -> [[f32; 4]; 11] {
+    let [width, height] = [options.width, options.height].map(|side| f64::from(side * times));
     let points: Vec<[f32; 3]> = mesh.positions.iter().map(|&p| unit.apply(p)).collect();
     let camera::Framed { right, up, back, projection, sky } =
         camera::frame(&points, options.camera, options.up, width / height);
@@ -168,22 +196,17 @@ fn view(mesh: &Mesh, unit: &camera::Unit, options: &Picture) -> [[f32; 4]; 12] {
         back,
         projection,
         sky,
-        linear(options.front),
         linear(options.back),
         top,
         bottom,
         linear(options.line_color),
-        [width as f32, height as f32, options.line_width, 0.0],
+        [width as f32, height as f32, options.line_width * times as f32, 0.0],
         [lowest, SHADOW_STRENGTH, radius, 0.0],
     ]
 }
 
 /// sRGB to linear light, alpha 1.
 fn linear(color: [u8; 3]) -> [f32; 4] {
-    let decode = |byte: u8| {
-        let x = f32::from(byte) / 255.0;
-        if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
-    };
-    let [r, g, b] = color.map(decode);
+    let [r, g, b] = color.map(supersample::to_linear);
     [r, g, b, 1.0]
 }

@@ -6,7 +6,7 @@
 //! Leaves of different levels meet without that: their grids differ.
 
 use super::Mesh;
-use crate::patch::{NetRef, Parameter, Word};
+use crate::patch::{Module, NetRef, Parameter, Word};
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -147,6 +147,12 @@ pub fn borders(word: &Word, n: usize) -> Result<Vec<[u32; 2]>, Error> {
         }
     }
     Ok(edges)
+}
+
+/// A value for every vertex of the mesh that [`dice`] makes with the same `n`: that of its leaf.
+pub fn per_vertex<T: Copy>(word: &Word, n: usize, of: impl Fn(&Module) -> T) -> Vec<T> {
+    let vertices_a_leaf = (n + 1) * (n + 1);
+    word.modules.iter().flat_map(|leaf| std::iter::repeat_n(of(leaf), vertices_a_leaf)).collect()
 }
 
 /// A closed form for the usual leaf, since there are many of them.

@@ -2,7 +2,7 @@
 
 pub mod grid;
 
-pub use grid::{Error, dice, grid_for};
+pub use grid::{Error, dice, grid_for, per_vertex};
 
 /// An indexed triangle mesh. Positions, normals and uvs run in parallel, one of each a vertex.
 #[derive(Clone, Debug, Default, PartialEq)]

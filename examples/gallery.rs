@@ -1,0 +1,114 @@
+//! The pictures of the README: rule files derived on the GPU, diced and drawn.
+//!
+//!     cargo run --release --example gallery [-- FOLDER]
+
+use burgeon::gpu::{self, Engine, Headless, Requirement};
+use burgeon::io::{bpt, png, write_atomically};
+use burgeon::language::{Value, Vocabulary, compile, diagnostic};
+use burgeon::patch::{Axiom, Module, Word};
+use burgeon::plan::{Options, Plan};
+use burgeon::render::{self, Camera, Picture};
+use burgeon::tessellate::{self, grid};
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+const COPPER: [u8; 3] = [217, 155, 108];
+const TEAL: [u8; 3] = [72, 150, 150];
+const PLUM: [u8; 3] = [150, 92, 122];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let folder = std::env::args().nth(1).unwrap_or("out/gallery".into());
+    std::fs::create_dir_all(&folder)?;
+    let studio = Studio::new(folder.into())?;
+    let copper = |_: &Module| COPPER;
+
+    // The tensor-product paper's figure 4, after three and six steps; the quadrants tell their symbols
+    // apart.
+    let quadrant = |module: &Module| [COPPER, COPPER, COPPER, TEAL, PLUM][module.symbol];
+    for depth in [3, 6] {
+        let word = studio.derive("sierpinski", &[("depth", depth)])?;
+        studio.draw(&format!("sierpinski_{depth}"), &word, quadrant, sheet())?;
+        if depth == 6 {
+            // Figure 1: from the top as well.
+            let top = Picture { camera: Camera::Top, ..sheet() };
+            studio.draw("sierpinski_top", &word, quadrant, top)?;
+        }
+    }
+
+    // Figure 5: the second triangle grew from the second root.
+    let word = studio.derive("sierpinski2", &[])?;
+    studio.draw("double_sierpinski", &word, |module| [COPPER, TEAL][module.root as usize], sheet())?;
+
+    // Section 2.6: regular holes.
+    studio.draw("holes", &studio.derive("holes", &[])?, copper, sheet())?;
+
+    // The teapot with the borders of its leaves, and as lace.
+    let word = studio.derive("teapot", &[])?;
+    let lines = grid::borders(&word, GRID)?;
+    studio.draw("teapot", &word, copper, Picture { lines, line_width: 0.8, ..picture() })?;
+    let wide = Picture { width: 1200, ..picture() };
+    studio.draw("teapot_lace", &studio.derive("teapot_lace", &[])?, copper, wide)
+}
+
+/// Every leaf becomes so many cells squared.
+const GRID: usize = 8;
+
+fn picture() -> Picture {
+    Picture { width: 800, height: 600, supersample: 3, ..Picture::default() }
+}
+
+/// A flat piece is best seen from higher up.
+fn sheet() -> Picture {
+    Picture { camera: Camera::Around { azimuth: -24.0, elevation: 42.0 }, ..picture() }
+}
+
+/// A device, an engine on it, and where the pictures go.
+struct Studio {
+    gpu: Headless,
+    engine: Engine,
+    folder: PathBuf,
+}
+
+impl Studio {
+    fn new(folder: PathBuf) -> Result<Studio, Box<dyn Error>> {
+        let gpu = Headless::new(Requirement::Any)?;
+        let engine = Engine::new(&gpu.device, &gpu.queue);
+        Ok(Studio { gpu, engine, folder })
+    }
+
+    /// From a rule file, with some of its params replaced, to the word that it derives.
+    fn derive(&self, name: &str, params: &[(&str, i32)]) -> Result<Word, Box<dyn Error>> {
+        let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+        let file = examples.join(name).with_extension("burgeon");
+        let text = std::fs::read_to_string(&file)?;
+        let checked = compile(&text, &Vocabulary::default());
+        if checked.has_errors() {
+            let file = file.display().to_string();
+            return Err(diagnostic::render(&checked.diagnostics, &file, &text, false).into());
+        }
+        let plan = Plan::new(&checked.systems[0])?;
+        let axiom = Axiom::load(&plan.system, &mut |file| bpt::read(examples.join(file), false))?;
+        let set = params.iter().map(|&(name, value)| (name.to_string(), Value::Int(value))).collect();
+        let (word, _) = gpu::derive(&self.engine, &plan, &axiom, &Options { set, ..Options::default() })?;
+        println!("{name}: {} steps, {} patches", word.steps, word.modules.len());
+        Ok(word)
+    }
+
+    /// Dices the word, every leaf in its `color`, and writes the picture.
+    fn draw(
+        &self,
+        name: &str,
+        word: &Word,
+        color: impl Fn(&Module) -> [u8; 3],
+        picture: Picture,
+    ) -> Result<(), Box<dyn Error>> {
+        let n = tessellate::grid_for(word.modules.len(), GRID);
+        let mesh = tessellate::dice(word, n)?;
+        let picture = Picture { colors: tessellate::per_vertex(word, n, color), ..picture };
+        let image = render::render(&self.gpu.device, &self.gpu.queue, &mesh, &picture)?;
+        let path = self.folder.join(name).with_extension("png");
+        write_atomically(&path, |writer| png::write(writer, &image))?;
+        println!("  {}", path.display());
+        Ok(())
+    }
+}
