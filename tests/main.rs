@@ -7,6 +7,10 @@ mod command;
 mod device;
 mod grid;
 mod io;
+#[cfg(feature = "gpu")]
+mod limits;
+#[cfg(feature = "gpu")]
+mod mutation;
 mod oracle;
 mod papers;
 #[cfg(feature = "gpu")]
@@ -17,3 +21,4 @@ mod reference;
 mod render;
 #[cfg(feature = "gpu")]
 mod scan;
+mod shaders;

@@ -167,6 +167,10 @@ impl Tables {
             rule_sets.push(builder.rule_set(groups)?);
         }
         let symbols = builder.symbols;
+        if symbols.len() > MOST_SYMBOLS {
+            let what = format!("more than {MOST_SYMBOLS} symbols, those inside nested blocks among them");
+            return Err(Unsupported::new(what, system.source.kind_span));
+        }
         let param_words = symbols.iter().map(words_of).max().unwrap_or(0);
         for set in &mut rule_sets {
             for stage in &mut set.stages {
@@ -184,6 +188,9 @@ impl Tables {
         self.rule_sets.iter().position(|s| s.groups == groups)
     }
 }
+
+/// Symbols that the 16 bits of a record can name.
+const MOST_SYMBOLS: usize = 1 << 16;
 
 fn words_of(symbol: &Symbol) -> usize {
     symbol.fields.iter().map(|f| f.ty.words()).sum()
