@@ -1,6 +1,7 @@
 //! All integration tests, in one binary so that linking stays cheap.
 mod arrows;
 mod check;
+#[cfg(feature = "cli")]
 mod command;
 #[cfg(feature = "gpu")]
 mod device;
@@ -8,6 +9,10 @@ mod device;
 mod expressions;
 mod grid;
 mod io;
+#[cfg(feature = "gpu")]
+mod limits;
+#[cfg(feature = "gpu")]
+mod mutation;
 mod oracle;
 mod papers;
 #[cfg(feature = "gpu")]
@@ -18,3 +23,4 @@ mod reference;
 mod render;
 #[cfg(feature = "gpu")]
 mod scan;
+mod shaders;

@@ -36,16 +36,16 @@ fn nets(nets: &[oracle::Net]) -> Vec<Net> {
 }
 
 /// A plan with all its files holding these nets.
-struct Job {
-    plan: Plan,
-    axiom: Axiom,
-    set: Vec<(String, Value)>,
-    uniforms: Vec<Value>,
+pub struct Job {
+    pub plan: Plan,
+    pub axiom: Axiom,
+    pub set: Vec<(String, Value)>,
+    pub uniforms: Vec<Value>,
 }
 
 impl Job {
     #[track_caller]
-    fn new(text: &str, roots: &[oracle::Net], set: Vec<(String, Value)>) -> Job {
+    pub fn new(text: &str, roots: &[oracle::Net], set: Vec<(String, Value)>) -> Job {
         let system = system(text);
         let plan = Plan::new(&system).unwrap_or_else(|e| panic!("{e} in\n{text}"));
         let axiom = Axiom::load::<String>(&system, &mut |_| Ok(nets(roots))).expect("an axiom");
@@ -53,13 +53,13 @@ impl Job {
         Job { plan, axiom, set, uniforms }
     }
 
-    fn options(&self, steps: Option<u32>, chunk_modules: Option<usize>) -> Options<'static> {
+    pub fn options(&self, steps: Option<u32>, chunk_modules: Option<usize>) -> Options<'static> {
         Options { set: self.set.clone(), steps, chunk_modules, ..Options::default() }
     }
 
     /// The word after `steps` steps.
     #[track_caller]
-    fn word<B: Backend>(&self, backend: &mut B, steps: Option<u32>, chunk: Option<usize>) -> Word
+    pub fn word<B: Backend>(&self, backend: &mut B, steps: Option<u32>, chunk: Option<usize>) -> Word
     where
         B::Error: Debug,
     {
@@ -69,17 +69,17 @@ impl Job {
         collect(&self.plan, backend, &derivation).expect("a word")
     }
 
-    fn cpu(&self, threads: usize) -> Cpu<'_> {
+    pub fn cpu(&self, threads: usize) -> Cpu<'_> {
         Cpu::new(&self.plan, &self.uniforms, threads).expect("threads")
     }
 
-    fn gpu(&self, engine: &Engine) -> Gpu<'_> {
+    pub fn gpu(&self, engine: &Engine) -> Gpu<'_> {
         Gpu::new(engine, &self.plan, &self.uniforms).expect("kernels")
     }
 }
 
 /// What the case sets; a param that the system does not read is none of its own.
-fn settings(case: &oracle::Case) -> Vec<(String, Value)> {
+pub fn settings(case: &oracle::Case) -> Vec<(String, Value)> {
     let system = system(&case.text);
     let value = |p: &oracle::Param| match *p {
         oracle::Param::Int(i) => Value::Int(i),

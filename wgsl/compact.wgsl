@@ -1,17 +1,17 @@
-// The indices of the elements that equal `extent.wanted`, in ascending order; their number stands
-// behind the tiles' sums.
+// The indices of the retired modules, or of whatever elements equal `extent.wanted`, in ascending
+// order; their number stands behind the tiles' sums.
 
 import extent;
 import prefix;
 import spine;
 
 @group(0) @binding(0) var<uniform> extent: Extent;
-@group(0) @binding(1) var<storage, read> source: array<u32>;
-@group(0) @binding(2) var<storage, read_write> indices: array<u32>;
+@group(0) @binding(1) var<storage, read> rules: array<u32>;
+@group(0) @binding(2) var<storage, read_write> retired: array<u32>;
 @group(0) @binding(3) var<storage, read_write> sums: array<u32>;
 
 fn found(i: u32) -> u32 {
-  return select(0u, 1u, source[i] == extent.wanted);
+  return select(0u, 1u, rules[i] == extent.wanted);
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -42,7 +42,7 @@ fn compact(
   let tile = tile_of(group, groups);
   let start = tile * TILE + local * ITEMS;
   let end = min(start + ITEMS, extent.count);
-  // The hits of this invocation, a bit each: the source is read once.
+  // The hits of this invocation, a bit each: the rules are read once.
   var hits: array<u32, ITEM_WORDS>;
   var sum = 0u;
   for (var i = start; i < end; i++) {
@@ -59,7 +59,7 @@ fn compact(
   for (var w = 0u; w < ITEM_WORDS; w++) {
     var left = hits[w];
     while left != 0u {
-      indices[at] = start + w * 32u + firstTrailingBit(left);
+      retired[at] = start + w * 32u + firstTrailingBit(left);
       at++;
       left &= left - 1u;
     }

@@ -5,6 +5,7 @@
 use super::Error;
 use super::generate::Text;
 use crate::language::Span;
+use std::borrow::Cow;
 
 /// Every file of `wgsl/`.
 const FILES: &[(&str, &str)] = &[
@@ -28,6 +29,27 @@ const FILES: &[(&str, &str)] = &[
     ("scan", include_str!("../../wgsl/scan.wgsl")),
 ];
 
+/// A text that stands in place of another, once in a file of `wgsl/` or in each line of the
+/// [`GENERATED`] code: the tests break kernels on purpose with it.
+#[derive(Clone, Debug)]
+pub struct Edit {
+    /// The file's name without `.wgsl`, or [`GENERATED`].
+    pub file: &'static str,
+    pub find: &'static str,
+    pub replace: &'static str,
+}
+
+/// What the rules say, as the file of an [`Edit`].
+pub const GENERATED: &str = "generated";
+
+/// The text of a file as the edit, if it is one of this file, leaves it.
+fn edited<'t>(file: &str, text: &'t str, edit: Option<&Edit>) -> Cow<'t, str> {
+    match edit {
+        Some(e) if e.file == file => Cow::Owned(text.replacen(e.find, e.replace, 1)),
+        _ => Cow::Borrowed(text),
+    }
+}
+
 /// Where a line of a linked module came from.
 #[derive(Clone, Copy, Debug)]
 enum Origin {
@@ -44,11 +66,13 @@ pub struct Linked {
 }
 
 /// Links the kernel of this name.
-pub fn link(name: &'static str, constants: &str, generated: &Text) -> Linked {
+pub fn link(name: &'static str, constants: &str, generated: &Text, edit: Option<&Edit>) -> Linked {
     let mut linked = Linked { source: String::new(), origins: Vec::new() };
     constants.lines().for_each(|line| linked.line(line, Origin::Constants));
-    generated.lines.iter().for_each(|(line, span)| linked.line(line, Origin::Generated(*span)));
-    linked.join(name, &mut Vec::new());
+    for (line, span) in &generated.lines {
+        linked.line(&edited(GENERATED, line, edit), Origin::Generated(*span));
+    }
+    linked.join(name, Origin::Constants, edit, &mut Vec::new());
     linked
 }
 
@@ -59,26 +83,34 @@ impl Linked {
         self.origins.push(origin);
     }
 
-    fn join(&mut self, name: &str, joined: &mut Vec<&'static str>) {
+    fn join(&mut self, name: &str, from: Origin, edit: Option<&Edit>, joined: &mut Vec<&'static str>) {
         let Some(&(name, text)) = FILES.iter().find(|f| f.0 == name) else {
-            // naga then names what is missing.
-            return self.line(&format!("import {name};"), Origin::Constants);
+            // naga then refuses the line that asks for what is missing.
+            return self.line(&format!("import {name};"), from);
         };
         if joined.contains(&name) {
             return;
         }
         joined.push(name);
+        let text = edited(name, text, edit);
         let import = |line: &str| Some(line.strip_prefix("import ")?.strip_suffix(';')?.to_string());
-        text.lines().filter_map(import).for_each(|file| self.join(&file, joined));
-        for (n, line) in text.lines().enumerate() {
+        let lines = || text.lines().enumerate().map(|(n, line)| (line, Origin::File(name, n + 1)));
+        for (line, origin) in lines() {
+            if let Some(file) = import(line) {
+                self.join(&file, origin, edit, joined);
+            }
+        }
+        for (line, origin) in lines() {
             if import(line).is_none() {
-                self.line(line, Origin::File(name, n + 1));
+                self.line(line, origin);
             }
         }
     }
 
-    /// The place in words, and the rule, of a line from 1.
-    fn place(&self, line: usize) -> (String, Option<Span>) {
+    /// The place in words, and the rule, where a span of the source begins.
+    fn place(&self, span: Option<naga::Span>) -> (String, Option<Span>) {
+        let Some(span) = span else { return ("the module as a whole".to_string(), None) };
+        let line = span.location(&self.source).line_number as usize;
         match self.origins.get(line.saturating_sub(1)) {
             Some(Origin::File(name, n)) => (format!("wgsl/{name}.wgsl:{n}"), None),
             Some(Origin::Generated(span)) => (format!("generated line {line}"), *span),
@@ -89,19 +121,22 @@ impl Linked {
 
 /// Parses and validates with the capabilities of WebGPU's core.
 pub fn validate(kernel: &'static str, linked: &Linked) -> Result<naga::Module, Error> {
-    let fail = |line: Option<u32>, message: String| {
-        let (place, rule) = linked.place(line.unwrap_or(0) as usize);
+    let fail = |span: Option<naga::Span>, message: String| {
+        let (place, rule) = linked.place(span);
         Error { kernel, place, message, rule }
     };
     let module = naga::front::wgsl::parse_str(&linked.source).map_err(|e| {
-        let line = e.location(&linked.source).map(|l| l.line_number);
-        fail(line, e.message().to_string())
+        // What a built-in function wants has a label, but stands nowhere.
+        let span = e.labels().map(|(span, _)| span).find(naga::Span::is_defined);
+        fail(span, e.message().to_string())
     })?;
     let mut validator =
         naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty());
     validator.validate(&module).map_err(|e| {
-        let line = e.location(&linked.source).map(|l| l.line_number);
-        fail(line, with_sources(e.as_inner()))
+        // The function is named as well as the expression: the narrowest says most.
+        let spans = e.spans().filter_map(|(span, _)| Some((span.to_range()?.len(), *span)));
+        let span = spans.min_by_key(|(length, _)| *length).map(|(_, span)| span);
+        fail(span, with_sources(e.as_inner()))
     })?;
     Ok(module)
 }

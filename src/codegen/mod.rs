@@ -6,6 +6,9 @@
 mod generate;
 mod link;
 
+#[doc(hidden)]
+pub use link::{Edit, GENERATED};
+
 use crate::language::Span;
 use crate::plan::Plan;
 use crate::plan::derive::StageId;
@@ -95,6 +98,17 @@ pub struct StageShaders {
 
 /// Generates, links and validates the kernels of a stage.
 pub fn stage(plan: &Plan, id: StageId, tuning: &Tuning) -> Result<StageShaders, Error> {
+    stage_edited(plan, id, tuning, None)
+}
+
+/// The same, with a text replaced on purpose.
+#[doc(hidden)]
+pub fn stage_edited(
+    plan: &Plan,
+    id: StageId,
+    tuning: &Tuning,
+    edit: Option<&Edit>,
+) -> Result<StageShaders, Error> {
     let stage = id.of(plan);
     let constants = stage_constants(plan, stage, tuning);
     let layout = plan.tables.layout;
@@ -105,9 +119,9 @@ pub fn stage(plan: &Plan, id: StageId, tuning: &Tuning) -> Result<StageShaders, 
     emit_parts.append(matching);
     emit_parts.append(generate::successors(stage));
     Ok(StageShaders {
-        match_modules: build("match_modules", &constants, match_parts)?,
-        count: build("count", &constants, generate::Text::default())?,
-        emit: build(tuning.mapping.kernel(), &constants, emit_parts)?,
+        match_modules: build("match_modules", &constants, match_parts, edit)?,
+        count: build("count", &constants, generate::Text::default(), edit)?,
+        emit: build(tuning.mapping.kernel(), &constants, emit_parts, edit)?,
     })
 }
 
@@ -120,10 +134,17 @@ pub struct SharedShaders {
 
 /// Links and validates the kernels that know only the layout.
 pub fn shared(layout: &Layout, tuning: &Tuning) -> Result<SharedShaders, Error> {
+    shared_edited(layout, tuning, None)
+}
+
+/// The same, with a text replaced on purpose.
+#[doc(hidden)]
+pub fn shared_edited(layout: &Layout, tuning: &Tuning, edit: Option<&Edit>) -> Result<SharedShaders, Error> {
+    let nothing = generate::Text::default;
     Ok(SharedShaders {
-        scan: build("scan", &scan_constants(tuning), generate::Text::default())?,
-        compact: build("compact", &scan_constants(tuning), generate::Text::default())?,
-        retire: build("retire", &layout_constants(layout, tuning), generate::Text::default())?,
+        scan: build("scan", &scan_constants(tuning), nothing(), edit)?,
+        compact: build("compact", &scan_constants(tuning), nothing(), edit)?,
+        retire: build("retire", &layout_constants(layout, tuning), nothing(), edit)?,
     })
 }
 
@@ -131,8 +152,8 @@ pub fn shared(layout: &Layout, tuning: &Tuning) -> Result<SharedShaders, Error> 
 pub fn measures(tuning: &Tuning) -> Result<[Shader; 2], Error> {
     let constants = format!("const WORKGROUP = {}u;\n", tuning.workgroup);
     Ok([
-        build("copy", &constants, generate::Text::default())?,
-        build("expand", &constants, generate::Text::default())?,
+        build("copy", &constants, generate::Text::default(), None)?,
+        build("expand", &constants, generate::Text::default(), None)?,
     ])
 }
 
@@ -180,8 +201,13 @@ fn scan_constants(tuning: &Tuning) -> String {
     )
 }
 
-fn build(name: &'static str, constants: &str, generated: generate::Text) -> Result<Shader, Error> {
-    let linked = link::link(name, constants, &generated);
+fn build(
+    name: &'static str,
+    constants: &str,
+    generated: generate::Text,
+    edit: Option<&Edit>,
+) -> Result<Shader, Error> {
+    let linked = link::link(name, constants, &generated, edit);
     let module = link::validate(name, &linked)?;
     Ok(Shader { name, source: linked.source, module })
 }

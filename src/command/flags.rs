@@ -24,7 +24,7 @@ pub struct Run {
     pub backend: Backend,
     /// Cells along each side of a patch in .obj and .png, two triangles each; halved until the model
     /// has at most 2 million
-    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=256))]
+    #[arg(long, value_name = "N", default_value_t = 8, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=256))]
     pub grid: u32,
     /// The axis that points up in the picture
     #[arg(long, value_name = "AXIS", value_enum, default_value_t = Up::Y)]
@@ -43,7 +43,7 @@ pub struct Derive {
     #[arg(long = "in", value_name = "FILE")]
     pub input: Option<PathBuf>,
     /// Stop after N steps in all
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub steps: Option<u32>,
     /// Set a param of the system, as in levels=4; may be given several times
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
@@ -52,14 +52,14 @@ pub struct Derive {
     #[arg(long, value_name = "N")]
     pub seed: Option<u32>,
     /// Threads of the CPU backend; 0: one a core
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1024))]
+    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(0..=1024))]
     pub threads: u32,
     /// The first adapter whose name or backend holds this text; `burgeon devices` lists them
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
     /// The most that the word, with what a step writes, may take, as in 500M or 4G [default: half of
     /// the machine's memory]
-    #[arg(long, value_name = "BYTES", value_parser = bytes)]
+    #[arg(long, value_name = "BYTES", allow_negative_numbers = true, value_parser = bytes)]
     pub max_memory: Option<u64>,
 }
 
@@ -105,7 +105,7 @@ pub struct Bench {
     #[arg(long = "in", value_name = "FILE")]
     pub input: Option<PathBuf>,
     /// Levels of patch/derive
-    #[arg(long, value_name = "N", default_value_t = 7, value_parser = clap::value_parser!(u32).range(1..=10))]
+    #[arg(long, value_name = "N", default_value_t = 7, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=10))]
     pub levels: u32,
     /// Print one JSON object in place of the table
     #[arg(long)]

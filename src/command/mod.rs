@@ -70,6 +70,7 @@ pub enum Failure {
     /// The device, or a limit.
     Device(String),
     /// CPU and GPU disagree.
+    #[cfg_attr(not(feature = "gpu"), expect(dead_code))]
     Differ(String),
     /// Ctrl-C.
     Stopped(String),

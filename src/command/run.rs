@@ -2,7 +2,7 @@
 
 use super::load::{self, Job, size};
 use super::progress::Bar;
-use super::{Failure, counted, flags, output, print, say, stop};
+use super::{Failure, counted, flags, output, print, stop};
 use burgeon::cpu::Cpu;
 use burgeon::patch;
 use burgeon::plan::derive::{self, StepStats};
@@ -85,13 +85,13 @@ fn device(flags: &flags::Run) -> Result<Option<Device>, Failure> {
     match Device::new(requirement) {
         Ok(device) => {
             if flags.backend == flags::Backend::Auto {
-                say(&format!("note: on {}", super::devices::label(&device.info)));
+                super::say(&format!("note: on {}", super::devices::label(&device.info)));
             }
             Ok(Some(device))
         }
         Err(e) if asked_for => Err(Failure::Device(format!("error: {e}"))),
         Err(e) => {
-            say(&format!("note: on the CPU: {e}"));
+            super::say(&format!("note: on the CPU: {e}"));
             Ok(None)
         }
     }

@@ -74,6 +74,21 @@ fn bound_column(column: &Pooled, bytes: u64) -> Binding<'_> {
     Binding::new(&column.buffer, bytes.min(column.buffer.size()))
 }
 
+/// Where modules go: a chunk, how many of it may be written, and how many there are to write.
+#[derive(Clone, Copy)]
+struct Target<'c> {
+    chunk: &'c GpuChunk,
+    capacity: usize,
+    modules: usize,
+}
+
+impl<'c> Target<'c> {
+    /// A chunk that was made for what comes.
+    fn exact(chunk: &'c GpuChunk) -> Target<'c> {
+        Target { chunk, capacity: chunk.len, modules: chunk.len }
+    }
+}
+
 /// What the first submission says.
 struct Totals {
     status: Status,
@@ -248,13 +263,18 @@ impl<'a> Gpu<'a> {
         clock: Clock,
         chunk: &GpuChunk,
         columns: &Columns,
-        next: Option<&GpuChunk>,
-        finished: Option<&GpuChunk>,
+        next: Option<Target>,
+        finished: Option<Target>,
     ) {
         let layout = self.layout();
         let n = chunk.len as u64;
         let tuning = *self.engine.tuning();
-        let fresh = |len: usize| Extent { count: n as u32, capacity: len as u32, clock, ..Extent::default() };
+        let extent = |count: usize, capacity: usize| Extent {
+            count: count as u32,
+            capacity: capacity as u32,
+            clock,
+            ..Extent::default()
+        };
         let mut encoder = self.encoder("burgeon emit, retire");
         {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
@@ -265,8 +285,8 @@ impl<'a> Gpu<'a> {
             let status = Binding::new(&self.status, STATUS_BYTES);
             let records = |c: &'_ GpuChunk| c.len as u64 * layout.record_bytes();
             let nets = |c: &'_ GpuChunk| c.len as u64 * layout.net_bytes();
-            if let Some(next) = next {
-                self.write_extent(1, fresh(next.len));
+            if let Some(Target { chunk: next, capacity, .. }) = next {
+                self.write_extent(1, extent(chunk.len, capacity));
                 let bound = [
                     self.extent(1),
                     Binding::new(&kernels.environment, kernels.environment.size()),
@@ -282,8 +302,8 @@ impl<'a> Gpu<'a> {
                 let invocations = tuning.mapping.invocations(n, layout.net_points() as u64);
                 kernels.emit.record(&mut pass, &group, &[kernels::groups(invocations, tuning.workgroup)]);
             }
-            if let Some(finished) = finished {
-                self.write_extent(2, Extent { count: finished.len as u32, ..fresh(finished.len) });
+            if let Some(Target { chunk: finished, capacity, modules }) = finished {
+                self.write_extent(2, extent(modules, capacity));
                 let bound = [
                     self.extent(2),
                     Binding::new(chunk.records(), records(chunk)),
@@ -294,7 +314,7 @@ impl<'a> Gpu<'a> {
                     status,
                 ];
                 let group = self.shared.retire.bind(&self.engine, &bound);
-                let groups = [kernels::groups(finished.len as u64, tuning.workgroup)];
+                let groups = [kernels::groups(modules as u64, tuning.workgroup)];
                 self.shared.retire.record(&mut pass, &group, &groups);
             }
         }
@@ -306,6 +326,60 @@ impl<'a> Gpu<'a> {
         Ok(bytemuck::pod_read_unaligned(bytemuck::cast_slice(&words)))
     }
 
+    fn totals_or_closed(
+        &mut self,
+        id: StageId,
+        clock: Clock,
+        chunk: &GpuChunk,
+        columns: &Columns,
+    ) -> Result<Totals, Error> {
+        match id.of(self.plan).closed {
+            Some(growth) => Ok(Totals {
+                status: Status { fired: 1, ..Status::default() },
+                modules: chunk.len * growth as usize,
+                retired: 0,
+            }),
+            None => self.totals(id, clock, chunk, columns),
+        }
+    }
+
+    /// One sweep into chunks that are there already, of which so many modules may be written.
+    ///
+    /// # Errors
+    /// [`Error::Capacity`] where that is too few; what fits is written and nothing behind it.
+    #[doc(hidden)]
+    pub fn step_into(
+        &mut self,
+        id: StageId,
+        clock: Clock,
+        chunk: &GpuChunk,
+        next: (&GpuChunk, usize),
+        finished: (&GpuChunk, usize),
+    ) -> Result<(), Error> {
+        self.compile_stage(id)?;
+        let engine = self.engine.clone();
+        engine.checked("rewriting a chunk into buffers of the caller", || {
+            let columns = self.columns(chunk.len as u64);
+            let totals = self.totals_or_closed(id, clock, chunk, &columns)?;
+            let target = |(chunk, capacity): (_, usize), modules| {
+                (modules > 0).then_some(Target { chunk, capacity, modules })
+            };
+            let (next, finished) = (target(next, totals.modules), target(finished, totals.retired));
+            engine.queue.write_buffer(&self.status, 0, bytemuck::bytes_of(&Status::default()));
+            self.write(id, clock, chunk, &columns, next, finished);
+            self.give_columns(columns);
+            let status = self.read_status()?;
+            let room = |buffer, target: Option<Target>, needed: u32| match target {
+                Some(t) if needed != 0 => {
+                    Err(Error::Capacity { buffer, needed: needed as u64, capacity: t.capacity as u64 })
+                }
+                _ => Ok(()),
+            };
+            room("the new chunk", next, status.needed)?;
+            room("the finished chunk", finished, status.needed_finished)
+        })
+    }
+
     fn sweep(
         &mut self,
         id: StageId,
@@ -315,14 +389,8 @@ impl<'a> Gpu<'a> {
         room: u64,
     ) -> Result<Outcome<GpuChunk>, Error> {
         let stage: &Stage = id.of(self.plan);
-        let totals = match stage.closed {
-            Some(growth) => Totals {
-                status: Status { fired: 1, ..Status::default() },
-                modules: chunk.len * growth as usize,
-                retired: 0,
-            },
-            None => self.totals(id, clock, chunk, columns)?,
-        };
+        let totals = self.totals_or_closed(id, clock, chunk, columns)?;
+        self.keep_trace(id, chunk.len as u64, totals.retired, columns)?;
         if totals.status.too_deep != 0 {
             return Ok(Outcome::TooDeep);
         }
@@ -338,7 +406,8 @@ impl<'a> Gpu<'a> {
         if may_be_too_deep {
             self.engine.queue.write_buffer(&self.status, 0, bytemuck::bytes_of(&Status::default()));
         }
-        self.write(id, clock, chunk, columns, next.as_ref(), finished.as_ref());
+        let targets = [&next, &finished].map(|chunk| chunk.as_ref().map(Target::exact));
+        self.write(id, clock, chunk, columns, targets[0], targets[1]);
         if may_be_too_deep && self.read_status()?.too_deep != 0 {
             return Ok(Outcome::TooDeep);
         }
@@ -455,10 +524,6 @@ impl Backend for Gpu<'_> {
             // Where the growth is closed no column is read: any buffer will do.
             let columns = self.columns(if id.of(self.plan).closed.is_some() { 1 } else { n });
             let outcome = self.sweep(id, clock, chunk, &columns, room)?;
-            if let Outcome::Done { retired, .. } = &outcome {
-                let retired = retired.as_ref().map_or(0, |r| r.0.len);
-                self.keep_trace(id, n, retired, &columns)?;
-            }
             self.give_columns(columns);
             Ok(outcome)
         })

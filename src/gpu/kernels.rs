@@ -147,7 +147,7 @@ impl StageKernels {
         id: StageId,
         environment: &[u32],
     ) -> Result<StageKernels, Error> {
-        let shaders = codegen::stage(plan, id, engine.tuning())?;
+        let shaders = codegen::stage_edited(plan, id, engine.tuning(), engine.edit.as_ref())?;
         let buffer = engine.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("burgeon environment"),
             size: environment.len() as u64 * 4,
@@ -173,7 +173,7 @@ pub struct SharedKernels {
 
 impl SharedKernels {
     pub fn new(engine: &Engine, layout: &Layout) -> Result<SharedKernels, Error> {
-        let shaders = codegen::shared(layout, engine.tuning())?;
+        let shaders = codegen::shared_edited(layout, engine.tuning(), engine.edit.as_ref())?;
         Ok(SharedKernels {
             scan: Kernel::of_pass(engine, &shaders.scan, &step::SCAN, &["reduce", "spine", "scan"]),
             compact: Kernel::of_pass(

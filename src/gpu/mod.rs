@@ -41,6 +41,7 @@ pub struct Engine {
     device: wgpu::Device,
     queue: wgpu::Queue,
     tuning: Tuning,
+    edit: Option<codegen::Edit>,
 }
 
 impl Engine {
@@ -55,7 +56,13 @@ impl Engine {
 
     /// The same with sizes of the caller's choice; no result depends on them.
     pub fn with_tuning(device: &wgpu::Device, queue: &wgpu::Queue, tuning: Tuning) -> Engine {
-        Engine { device: device.clone(), queue: queue.clone(), tuning }
+        Engine { device: device.clone(), queue: queue.clone(), tuning, edit: None }
+    }
+
+    /// The engine with a kernel broken on purpose: how the tests are tested.
+    #[doc(hidden)]
+    pub fn with_edit(self, edit: codegen::Edit) -> Engine {
+        Engine { edit: Some(edit), ..self }
     }
 
     pub fn device(&self) -> &wgpu::Device {
@@ -80,8 +87,17 @@ impl Engine {
             found = pollster::block_on(scope.pop()).or(found);
         }
         match found {
+            Some(_) if self.is_lost() => Err(Error::Lost { doing }),
             Some(error) => Err(Error::Device { doing, message: error.to_string() }),
             None => result,
         }
+    }
+
+    /// A device tells of its loss through one callback, which is the caller's to set. Without it:
+    /// what is made on a lost device is invalid, and using that is an error.
+    fn is_lost(&self) -> bool {
+        let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        buffers::staging(self, 16).map_async(wgpu::MapMode::Read, .., |_| {});
+        pollster::block_on(scope.pop()).is_some()
     }
 }

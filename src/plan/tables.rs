@@ -224,6 +224,10 @@ impl Tables {
             rule_sets.push(builder.rule_set(groups)?);
         }
         let symbols = builder.symbols;
+        if symbols.len() > MOST_SYMBOLS {
+            let what = format!("more than {MOST_SYMBOLS} symbols, those inside nested blocks among them");
+            return Err(Unsupported::new(what, system.source.kind_span));
+        }
         let param_words = symbols.iter().map(words_of).max().unwrap_or(0);
         let (uniforms, uniform_words) = uniform_places(system);
         for stage in rule_sets.iter_mut().flat_map(|set| &mut set.stages) {
@@ -247,6 +251,9 @@ pub fn uniform_places(system: &System) -> (Vec<usize>, usize) {
     });
     (starts.collect(), at)
 }
+
+/// Symbols that the 16 bits of a record can name.
+const MOST_SYMBOLS: usize = 1 << 16;
 
 fn words_of(symbol: &Symbol) -> usize {
     symbol.fields.iter().map(|f| f.ty.words()).sum()

@@ -1,0 +1,451 @@
+//! The tests, tested: every kernel broken on purpose must show.
+//!
+//! A row of [`MUTANTS`] replaces a text in a file of `wgsl/`, once. The comparison with the CPU, or
+//! the scans by themselves, must then find a difference. A row whose text is no longer there fails
+//! as well, so the table follows the kernels. Mutants that change no result are not listed: another
+//! order of independent writes, a bounds check that the buffer's own end repeats.
+
+use crate::device;
+use crate::limits::lattice;
+use crate::parity::Job;
+use burgeon::codegen::{Edit, GENERATED, Mapping, Tuning};
+use burgeon::gpu::{self, Engine, Measure, Scans};
+use burgeon::plan::compare::Pair;
+use burgeon::plan::derive::{collect, derive};
+use std::path::Path;
+
+/// How a mutant is looked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Check {
+    /// [`EVERY`] in chunks.
+    Every,
+    /// [`CLOSED`], [`CLOSED_MIXED`]: growth as a closed form.
+    Closed,
+    /// [`DEEP`]: addresses to the last bit and beyond.
+    Deep,
+    /// Workgroups in two dimensions.
+    Wide,
+    /// Scan and compaction by themselves.
+    Scans,
+    /// These with workgroups in two dimensions.
+    WideScans,
+}
+
+/// A mutant: the file, the text, what stands in its place, and the check that must see it.
+type Mutant = (&'static str, &'static str, &'static str, Check);
+
+use Check::*;
+
+const MATCHING: &[Mutant] = &[
+    ("match_modules", "if i >= extent.count", "if i + 1u >= extent.count", Every),
+    ("match_modules", "if rule < KEEP", "if rule <= KEEP", Every),
+    ("match_modules", "rule < KEEP", "rule < 1u", Every),
+    ("match_modules", "if rule > KEEP", "if rule >= KEEP", Every),
+    ("match_modules", "1u << (symbol_of(m) & 31u)", "2u << (symbol_of(m) & 31u)", Every),
+    ("match_modules", "atomicStore(&status.too_deep, 1u)", "atomicStore(&status.too_deep, 0u)", Deep),
+    ("match_modules", "rule_word(rule) & 3u", "rule_word(rule) & 0u", Deep),
+    ("count", "i < extent.count", "i + 1u < extent.count", Every),
+    ("count", ">> 8u", ">> 7u", Every),
+    ("count", "& 7u", "& 3u", Every),
+    ("rules", "RULE_TABLE + rule", "RULE_TABLE + rule + 1u", Every),
+    ("rules", "if ONLY_RULE_WORD != 0u", "if ONLY_RULE_WORD == 0u", Closed),
+    ("rules", "return ONLY_RULE_WORD;", "return ONLY_RULE_WORD & 0xfffffffdu;", Closed),
+    (
+        "rules",
+        "fn uniform_word(at: u32) -> u32 {\n  let quad = environment[at >> 2u];",
+        "fn uniform_word(at: u32) -> u32 {\n  let quad = environment[at >> 3u];",
+        Every,
+    ),
+    ("ops", "select(b, 1i, undefined)", "select(b, 2i, undefined)", Every),
+    ("ops", "a - int_div(a, b) * b", "a + int_div(a, b) * b", Every),
+    ("ops", "return 0i;", "return 1i;", Every),
+    ("extent", "id.y * groups.x", "id.y * groups.y", Wide),
+    ("extent", "id.x + id.y", "id.x - id.y", Wide),
+    (GENERATED, "rule * 4u + c", "rule * 4u + (c ^ 1u)", Every),
+    (GENERATED, "default: { r = m; }", "default: { }", Every),
+    (GENERATED, " && ", " || ", Every),
+    (GENERATED, "return select(", "return max(3u, 1u) + 0u * select(", Every),
+];
+
+const ADDRESSES: &[Mutant] = &[
+    ("address", "m.q0.x & 0xffffu", "m.q0.x & 0x1u", Every),
+    ("address", "return max(", "return min(", Every),
+    ("address", "var high = m.q0.z;", "var high = m.q0.w;", Deep),
+    ("address", "let su = halves & 1u;", "let su = halves >> 1u;", Every),
+    ("address", "(hu << sv) | hv", "(hv << sv) | hu", Every),
+    ("address", "(64u - du - dv)", "(63u - du - dv)", Every),
+    ("address", "if shift >= 32u", "if shift > 32u", Deep),
+    ("address", "shift - 32u", "shift - 31u", Every),
+    ("address", "if shift == 31u", "if shift == 30u", Deep),
+    ("address", "bits >> 1u", "bits", Deep),
+    ("address", "(m.q1.x << su) | hu", "(m.q1.x << su) | hv", Every),
+    ("address", "(m.q1.y << sv) | hv", "(m.q1.y << su) | hv", Every),
+    ("address", "(du << 16u) | (dv << 24u)", "(dv << 16u) | (du << 24u)", Every),
+    ("address", "const MAX_HALVINGS = 31u;", "const MAX_HALVINGS = 30u;", Deep),
+    ("address", "+ (halves >> 1u) > MAX_HALVINGS", "+ (halves >> 1u) >= MAX_HALVINGS", Deep),
+];
+
+/// Of the mapping of emit that takes an invocation a net.
+const NETS: &[Mutant] = &[
+    ("emit", "if i >= extent.count", "if i + 1u >= extent.count", Every),
+    ("emit", "left * 16u", "left * 15u", Every),
+    ("emit", "h.a0, h.a1, h.a2, h.middle", "h.a0, h.a2, h.a1, h.middle", Every),
+    ("emit", "nets[b + 4u]", "nets[b + 5u]", Every),
+    ("emit", "write_row(v, 0u, at2, at3", "write_row(u, 0u, at2, at3", Every),
+    ("halving", "Halves(p0, p1, p2, p3, p3", "Halves(p0, p2, p1, p3, p3", Every),
+    ("emit", "write_row(v, 3u, at0, at1", "write_row(v, 2u, at0, at1", Closed),
+];
+
+const CHILDREN: &[Mutant] = &[
+    ("children", "e.first = i * CLOSED;", "e.first = i * 4u;", Closed),
+    ("children", "e.first = offsets[i];", "e.first = offsets[i + 1u];", Every),
+    ("children", "(word >> 4u) & 15u", "(word >> 4u) & 7u", Every),
+    ("children", "word & 3u", "word & 1u", Every),
+    ("children", "end > extent.capacity", "end >= extent.capacity", Every),
+    ("children", "(1u << c) - 1u)", "(2u << c) - 1u)", Every),
+    ("children", "(live & (1u << c)) == 0u", "(live & (2u << c)) == 0u", Every),
+    ("children", "c >> 1u, c & 1u)", "c & 1u, c >> 1u)", Every),
+    ("children", "atomicStore(&status.too_deep, 1u)", "atomicStore(&status.too_deep, 0u)", Deep),
+    ("halving", "let bc = (p1 + p2) * 0.5", "let bc = (p1 + p2) * 0.25", Every),
+    ("halving", "let abc = (ab + bc)", "let abc = (ab + cd)", Every),
+    ("halving", "bcd, cd, p3)", "cd, bcd, p3)", Every),
+    ("retire", "if k >= extent.count", "if k + 1u >= extent.count", Every),
+    ("retire", "if k >= extent.capacity", "if k + 1u >= extent.capacity", Every),
+    ("retire", "records[i * QUADS + q]", "records[k * QUADS + q]", Every),
+    ("retire", "nets[i * POINTS + p]", "nets[k * POINTS + p]", Every),
+    ("retire", "q < QUADS", "q < 1u", Every),
+    ("retire", "p < POINTS", "p + 1u < POINTS", Every),
+];
+
+/// Of the mapping of emit that takes an invocation a point.
+const POINTS: &[Mutant] = &[
+    ("emit_by_point", "let i = lane >> 4u;", "let i = lane >> 3u;", Every),
+    ("emit_by_point", "let net = local & ~15u;", "let net = 0u;", Every),
+    ("emit_by_point", "workgroupBarrier();\n  let c = net + column;", "let c = net + column;", Every),
+    ("emit_by_point", "points[c + 4u], points[c + 8u]", "points[c + 8u], points[c + 4u]", Every),
+    ("emit_by_point", "case 3u: { write_child(e.rule, 3u", "case 3u: { write_child(e.rule, 2u", Every),
+    ("emit_by_point", "write_point(at3, k, of_second_half", "write_point(at3, k, of_first_half", Every),
+    ("emit_by_point", "let column = k & 3u;", "let column = k & 1u;", Every),
+    ("extent", "id.y * groups.x", "id.y * groups.y", Wide),
+];
+
+const SCANS: &[Mutant] = &[
+    ("scan", "sums[tile] = inclusive;", "sums[tile] = sum;", Scans),
+    ("scan", "local == WORKGROUP - 1u && tile", "local == 0u && tile", Scans),
+    ("scan", "offsets[start + k] = base + before[k]", "offsets[start + k] = base", Scans),
+    (
+        "scan",
+        "before[k] = sum;\n      sum += counts[start + k];",
+        "sum += counts[start + k];\n      before[k] = sum;",
+        Scans,
+    ),
+    ("scan", "sums[tile] + inclusive - sum", "sums[tile] + inclusive", Scans),
+    ("scan", "offsets[k] = base + before[k - start]", "offsets[k] = base + before[0]", Scans),
+    ("scan", "offsets[extent.count] = sums[", "offsets[extent.count] = 1u + sums[", Scans),
+    ("compact", "rules[i] == extent.wanted", "rules[i] >= extent.wanted", Scans),
+    (
+        "compact",
+        "let end = min(start + ITEMS, extent.count);\n  var sum",
+        "let end = min(start + ITEMS, extent.count - 1u);\n  var sum",
+        Scans,
+    ),
+    ("compact", "hit << (k & 31u)", "hit << (k & 15u)", Scans),
+    ("compact", "hits[k >> 5u]", "hits[k >> 6u]", Scans),
+    ("compact", "sums[tile] + inclusive - sum", "sums[tile] + inclusive", Scans),
+    ("compact", "start + w * 32u", "start + w * 31u", Scans),
+    ("compact", "left &= left - 1u;", "left &= left - 2u;", Scans),
+    (
+        "prefix",
+        "    workgroupBarrier();\n    partial[local] += before;",
+        "    partial[local] += before;",
+        Scans,
+    ),
+    ("prefix", "if local >= distance", "if local > distance", Scans),
+    ("prefix", "distance << 1u", "distance << 2u", Scans),
+    ("prefix", "(count + TILE - 1u) / TILE", "count / TILE", Scans),
+    ("prefix", "group.x + group.y * groups.x", "group.x", WideScans),
+    ("spine", "inclusive - sum", "inclusive", Scans),
+    ("spine", "sums[t] = running;\n    running += here;", "running += here;\n    sums[t] = running;", Scans),
+    ("spine", "(tiles + WORKGROUP - 1u) / WORKGROUP", "tiles / WORKGROUP", Scans),
+    ("spine", "sums[tiles] = inclusive;", "sums[tiles] = running - 1u;", Scans),
+    ("spine", "if local == WORKGROUP - 1u", "if local == 0u", Scans),
+];
+
+/// Everything that a step does: guards of every kind, a nested block, 1×2 and 2×1, ε, relabelling
+/// until nothing changes, `level` and `step`, params, retirement and return in a second group.
+const EVERY: &str = "\
+system every : patch bezier 3
+param depth: int = 3 in 0 .. 5
+param flip: bool = true
+param three: int = 3
+param ten: int = 10
+param zero: int = 0
+module A(n: int, k: bool), B(n: int), C, D(n: int), E(n: int, m: int)
+axiom: A(0, true) = file \"lattice.bpt\" [0]  B(-7) = file \"lattice.bpt\" [1]
+rules:
+  A(n, k) : n < depth && k -> [ A(n + 1, k) B(n*three - 7) ; [ A(n + 2, !k) eps ; C E(n / zero, n % 2) ] A(n + 1, flip && n > 1) ]
+  A(n, k) : n < depth      -> [ A(n + 1, flip) | B(level) ]
+  A(n, k) : n == depth     -> [ C ; E(level, n % zero) ]
+  B(n) : n < 0             -> B(n / 2 + n % 3)
+  B(n) : n > 2             -> eps
+  E(n, m) : step > 1       -> [ eps | D(n + ten*m) ]
+rules thin:
+  C    -> [ D(level) eps ; eps D(1) ]
+  D(n) : n % 2 == 0 -> eps
+run:
+  derive 4
+  derive 2 with thin
+";
+
+const CLOSED: &str = "\
+system closed : patch bezier 3
+module P
+axiom: P = file \"lattice.bpt\"
+rules:
+  P -> [ P P ; P P ]
+run:
+  derive 2
+";
+
+const CLOSED_MIXED: &str = "\
+system mixed : patch bezier 3
+module P, Q
+axiom: P = file \"lattice.bpt\"
+rules:
+  P -> [ P | Q ]
+  Q -> [ P ; Q ]
+run:
+  derive 3
+";
+
+/// Two paths to the bottom: one by whole splits, one that is odd by a column, so that a split's two
+/// bits straddle the words of the key. The last step does not fit any more.
+const DEEP: &str = "\
+system deep : patch bezier 3
+module P(n: int), Q(n: int)
+axiom: P(0) = file \"lattice.bpt\" [0]  Q(0) = file \"lattice.bpt\" [1]
+rules:
+  P(n) : n % 3 == 0 -> [ eps eps ; eps P(n + 1) ]
+  P(n) : n % 3 == 1 -> [ eps P(n + 1) ; eps eps ]
+  P(n) : n % 3 == 2 -> [ eps eps ; P(n + 1) eps ]
+  Q(n) : n == 0 -> [ eps | Q(1) ]
+  Q(n) : n % 2 == 0 -> [ eps eps ; eps Q(n + 1) ]
+  Q(n) -> [ Q(n + 1) eps ; eps eps ]
+run:
+  derive 31
+";
+
+/// The closed form of it, one step deeper than fits.
+const DEEP_CLOSED: &str = "\
+system deep : patch bezier 3
+module P
+axiom: P = file \"lattice.bpt\" [0]
+rules:
+  P -> [ eps | P ]
+run:
+  derive 32
+";
+
+const WIDE: &str = "\
+system wide : patch bezier 3
+module P(n: int)
+axiom: P(0) = file \"lattice.bpt\"
+rules:
+  P(n) : n < 1 -> [ P(n + 1) | eps ]
+run:
+  derive 1
+";
+
+/// Both backends in lockstep; what went wrong.
+fn parity(engine: &Engine, text: &str, roots: usize, chunk: Option<usize>) -> Result<(), String> {
+    let job = Job::new(text, &lattice(roots), Vec::new());
+    let gpu = gpu::Gpu::new(engine, &job.plan, &job.uniforms).map_err(|e| refused(&e))?;
+    let mut pair = Pair::new(job.cpu(1), gpu, ["CPU", "GPU"]);
+    let options = job.options(None, chunk);
+    derive(&job.plan, &job.axiom, &job.uniforms, &options, &mut pair)
+        .and_then(|d| collect(&job.plan, &mut pair, &d))
+        .map(drop)
+        .map_err(|e| e.to_string())
+}
+
+/// A mutant must be a kernel at all.
+fn refused(error: &gpu::Error) -> String {
+    match error {
+        gpu::Error::Codegen(e) => panic!("this is no mutant: {e}"),
+        other => other.to_string(),
+    }
+}
+
+/// Both must refuse the same step; that is no difference.
+fn deep(engine: &Engine) -> Result<(), String> {
+    parity(engine, DEEP, 2, None)?;
+    let one_more = DEEP.replace("derive 31", "derive 32");
+    for text in [&one_more, DEEP_CLOSED] {
+        match parity(engine, text, 2, None) {
+            Err(e) if e.contains("halved more than 31 times") && e.contains("(step 32)") => {}
+            Err(e) => return Err(e),
+            Ok(()) => return Err("32 halvings were accepted".to_string()),
+        }
+    }
+    Ok(())
+}
+
+fn numbers(length: usize) -> Vec<u32> {
+    (0..length as u32).map(|i| i.wrapping_mul(0x9e37_79b9) >> 29).collect()
+}
+
+fn scans(engine: &Engine, lengths: &[usize]) -> Result<(), String> {
+    let scans = Scans::new(engine).map_err(|e| refused(&e))?;
+    for &length in lengths {
+        let source = numbers(length);
+        for what in [Measure::Scan, Measure::Compact { wanted: 2 }] {
+            let buffers = scans.prepare(what, &source).map_err(|e| e.to_string())?;
+            scans.run(what, &buffers).map_err(|e| e.to_string())?;
+            let got = scans.read(what, &buffers).map_err(|e| e.to_string())?;
+            if got != expected(what, &source) {
+                return Err(format!("{what:?} of {length}"));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn expected(what: Measure, source: &[u32]) -> Vec<u32> {
+    match what {
+        Measure::Scan => {
+            let mut sum = 0;
+            let before = source.iter().map(|c| {
+                sum += c;
+                sum - c
+            });
+            let mut offsets: Vec<u32> = before.collect();
+            offsets.push(sum);
+            offsets
+        }
+        Measure::Compact { wanted } => {
+            (0..source.len() as u32).filter(|&i| source[i as usize] == wanted).collect()
+        }
+    }
+}
+
+impl Check {
+    /// Sizes that bring out what the check is about with little work.
+    fn tuning(self, mapping: Mapping) -> Tuning {
+        let tuning = Tuning { mapping, ..Tuning::CPU_DRIVER };
+        match self {
+            // 40,000 workgroups, which is more than go in one dimension.
+            Wide if mapping == Mapping::PointPerInvocation => Tuning { workgroup: 16, ..tuning },
+            Wide => Tuning { workgroup: 1, ..tuning },
+            Scans => Tuning { scan_workgroup: 16, scan_items: 64, ..tuning },
+            WideScans => Tuning { scan_workgroup: 2, scan_items: 32, ..tuning },
+            _ => tuning,
+        }
+    }
+
+    fn run(self, engine: &Engine) -> Result<(), String> {
+        match self {
+            Every => parity(engine, EVERY, 2, Some(9)),
+            Closed => parity(engine, CLOSED, 1, None).and_then(|()| parity(engine, CLOSED_MIXED, 1, None)),
+            Deep => deep(engine),
+            Wide => parity(engine, WIDE, 40_000, None),
+            Scans => scans(engine, &[0, 1, 63, 1024, 1025, 20_000]),
+            // 64 elements a tile.
+            WideScans => scans(engine, &[32_769 * 64]),
+        }
+    }
+}
+
+fn path_of(file: &str) -> String {
+    let inner = format!("wgsl/shared/{file}.wgsl");
+    if Path::new(&inner).exists() { inner } else { format!("wgsl/{file}.wgsl") }
+}
+
+/// The text must be there, once, so that the row says what it breaks.
+fn stale(&(file, find, replace, _): &Mutant) -> Option<String> {
+    if file == GENERATED {
+        return None;
+    }
+    let path = path_of(file);
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path}: {e}"));
+    match text.matches(find).count() {
+        0 => Some(format!("{path} has no `{find}` any more (to be `{replace}`)")),
+        _ => None,
+    }
+}
+
+/// Runs all mutants and names those that live. What the mappings of emit share is checked with the
+/// one that the driver compiles in a tenth of the time.
+#[track_caller]
+fn kill(mutants: &[Mutant], mapping: Mapping) {
+    let Some(headless) = device::headless() else { return };
+    let engine = |check: Check| Engine::with_tuning(&headless.device, &headless.queue, check.tuning(mapping));
+    let mut wrong: Vec<String> = mutants.iter().filter_map(stale).collect();
+    let mut checks: Vec<Check> = Vec::new();
+    for &(.., check) in mutants {
+        if !checks.contains(&check) {
+            checks.push(check);
+        }
+    }
+    for check in checks {
+        // Unbroken kernels pass, or the check says nothing.
+        if let Err(e) = check.run(&engine(check)) {
+            panic!("{check:?} without a mutant: {e}");
+        }
+    }
+    for &(file, find, replace, check) in mutants {
+        let start = std::time::Instant::now();
+        let mutant = engine(check).with_edit(Edit { file, find, replace });
+        match check.run(&mutant) {
+            Ok(()) => wrong.push(format!("{file}: `{find}` → `{replace}` is not seen by {check:?}")),
+            Err(e) => println!("{:>5} ms  {file}: `{find}` → `{replace}`: {e}", start.elapsed().as_millis()),
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn every_mutant_of_matching_and_counting_is_seen() {
+    kill(MATCHING, Mapping::PointPerInvocation);
+}
+
+#[test]
+fn every_mutant_of_addresses_is_seen() {
+    kill(ADDRESSES, Mapping::PointPerInvocation);
+}
+
+#[test]
+fn every_mutant_of_children_and_retirement_is_seen() {
+    kill(CHILDREN, Mapping::PointPerInvocation);
+}
+
+#[test]
+fn every_mutant_of_emit_is_seen() {
+    kill(NETS, Mapping::NetPerInvocation);
+}
+
+#[test]
+fn every_mutant_of_emit_by_point_is_seen() {
+    kill(POINTS, Mapping::PointPerInvocation);
+}
+
+#[test]
+fn every_mutant_of_scan_and_compaction_is_seen() {
+    kill(SCANS, Mapping::NetPerInvocation);
+}
+
+/// Every kernel, and every file that kernels share, is broken more than once.
+#[test]
+fn every_file_has_mutants() {
+    let all: Vec<&Mutant> =
+        [MATCHING, ADDRESSES, CHILDREN, NETS, POINTS, SCANS].into_iter().flatten().collect();
+    for folder in ["wgsl", "wgsl/shared"] {
+        for entry in std::fs::read_dir(folder).expect("the kernels") {
+            let path = entry.expect("an entry").path();
+            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            // What measures a device derives nothing, and the picture has tests of its own.
+            let other = ["copy", "expand", "picture", "shared"].contains(&name.as_str());
+            let count = all.iter().filter(|m| m.0 == name).count();
+            assert!(other || count >= 2, "{} has {count} mutants", path.display());
+        }
+    }
+}
