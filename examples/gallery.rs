@@ -28,12 +28,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     for depth in [3, 6] {
         let word = studio.derive("sierpinski", &[("depth", depth)])?;
         studio.draw(&format!("sierpinski_{depth}"), &word, quadrant, sheet())?;
-        if depth == 6 {
-            // Figure 1: from the top as well.
-            let top = Picture { camera: Camera::Top, ..sheet() };
-            studio.draw("sierpinski_top", &word, quadrant, top)?;
-        }
     }
+
+    // Figure 1: a fractal surface by a stochastic ε-rule, in perspective and from the top.
+    let word = studio.derive("fractal", &[])?;
+    studio.draw("fractal", &word, copper, sheet())?;
+    studio.draw("fractal_top", &word, copper, Picture { camera: Camera::Top, ..sheet() })?;
 
     // Figure 5: the second triangle grew from the second root.
     let word = studio.derive("sierpinski2", &[])?;

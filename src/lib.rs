@@ -5,9 +5,8 @@
 //! What comes out stays in GPU buffers or is read back as a [`Word`](patch::Word) of control nets, ready
 //! to be tessellated.
 //!
-//! **This version derives patch systems of bicubic Bézier nets**, with int and bool parameters. Curve and
-//! mesh systems are parsed and checked in full, but not derived yet; nor are rational nets, other
-//! degrees, queries and random numbers. What is not derived is refused by name
+//! **This version derives patch systems of bicubic Bézier nets.** Curve and mesh systems are parsed
+//! and checked in full, but not derived yet; nor are rational nets, other degrees and queries. What is not derived is refused by name
 //! ([`plan::Unsupported`]) before anything runs. The [reference](language#what-this-version-derives)
 //! has the list.
 //!

@@ -9,6 +9,7 @@ use burgeon::gpu::{self, Engine, Gpu, Measure, Scans};
 use burgeon::patch::Word;
 use burgeon::plan::compare::Traced;
 use burgeon::plan::derive::{Backend, Derivation, Outcome, StageId, bounds, collect, derive};
+use burgeon::plan::step::Clock;
 use burgeon::plan::{self, Options, Plan, schedule};
 use std::cell::Cell;
 use std::fmt::Debug;
@@ -191,8 +192,13 @@ impl Filling<'_> {
             let (records, nets) = untouched(self.job, needed[n] + BEHIND);
             gpu.upload(records, nets).expect("a target")
         });
-        let result =
-            gpu.step_into(self.id, Clock::default(), &chunk, (&targets[0], capacity[0]), (&targets[1], capacity[1]));
+        let result = gpu.step_into(
+            self.id,
+            Clock::default(),
+            &chunk,
+            (&targets[0], capacity[0]),
+            (&targets[1], capacity[1]),
+        );
         let what = format!("{name}: {needed:?} into {capacity:?}");
         let short = [0, 1].map(|n| capacity[n] < needed[n]);
         match result {

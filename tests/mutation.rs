@@ -10,6 +10,7 @@ use crate::limits::lattice;
 use crate::parity::Job;
 use burgeon::codegen::{Edit, GENERATED, Mapping, Tuning};
 use burgeon::gpu::{self, Engine, Measure, Scans};
+use burgeon::plan::Options;
 use burgeon::plan::compare::Pair;
 use burgeon::plan::derive::{collect, derive};
 use std::path::Path;
@@ -25,6 +26,8 @@ enum Check {
     Deep,
     /// Workgroups in two dimensions.
     Wide,
+    /// [`VALUES`]: elementary functions, random numbers and weights.
+    Values,
     /// Scan and compaction by themselves.
     Scans,
     /// These with workgroups in two dimensions.
@@ -65,6 +68,24 @@ const MATCHING: &[Mutant] = &[
     (GENERATED, "default: { r = m; }", "default: { }", Every),
     (GENERATED, " && ", " || ", Every),
     (GENERATED, "return select(", "return max(3u, 1u) + 0u * select(", Every),
+];
+
+const ELEMENTARY: &[Mutant] = &[
+    ("elementary", "n * 1.5703125", "n * 1.56", Values),
+    ("elementary", "0.16666655", "0.16", Values),
+    ("elementary", "1.0 - z * (0.5", "1.0 - z * (0.6", Values),
+    ("elementary", "t.x == 2.0", "t.x == 1.0", Values),
+    ("elementary", "(y * power_of_two(half))", "(y * power_of_two(n))", Values),
+    ("elementary", "e -= 1.0", "e -= 2.0", Values),
+    ("elementary", "select(y, -y, x < 0.0)", "select(y, -y, x > 0.0)", Values),
+    ("elementary", "0xc2b2ae35u", "0xc2b2ae37u", Values),
+    ("elementary", "h >> 13u", "h >> 14u", Values),
+    ("elementary", "(middle >> 16u)", "(middle >> 15u)", Values),
+    ("elementary", "f32(h >> 8u)", "f32(h >> 9u)", Values),
+    ("elementary", "(h >> 16u) + (h & 0xffffu)", "(h >> 16u) + (h & 0x7fffu)", Values),
+    ("elementary", "t * 6.0 - 15.0", "t * 6.0 - 14.0", Values),
+    ("elementary", "(h & 2u) == 0u", "(h & 4u) == 0u", Values),
+    (GENERATED, "extent.seed", "extent.run_step", Values),
 ];
 
 const ADDRESSES: &[Mutant] = &[
@@ -246,6 +267,21 @@ run:
   derive 32
 ";
 
+/// Every file of elementary functions, random numbers of every kind, a draw.
+const VALUES: &str = "\
+system values : patch bezier 3
+module P(x: float), Q(a: float, b: float, c: float, d: float), R(n: int)
+axiom: P(0.0) = file \"lattice.bpt\"
+rules:
+  P(x) : x < 20 -> [ P(x + 1.7) Q(sin(x), cos(x - 9), exp(x - 3), log(x + 0.1)) ; P(3.3*x + 2) Q(atan(x - 4), noise((x, 0.37*x, 1.9)), rand(), randn()) ]
+  Q(a, b, _, _)
+    ->(0.3 + a*a) R(1)
+    ->(b*b) R(2)
+    ->(0.5) Q(b, a, 0, 0)
+run:
+  derive 4
+";
+
 const WIDE: &str = "\
 system wide : patch bezier 3
 module P(n: int)
@@ -260,8 +296,8 @@ run:
 fn parity(engine: &Engine, text: &str, roots: usize, chunk: Option<usize>) -> Result<(), String> {
     let job = Job::new(text, &lattice(roots), Vec::new());
     let gpu = gpu::Gpu::new(engine, &job.plan, &job.uniforms).map_err(|e| refused(&e))?;
-    let mut pair = Pair::new(job.cpu(1), gpu, ["CPU", "GPU"]);
-    let options = job.options(None, chunk);
+    let mut pair = Pair::new(&job.plan, job.cpu(1), gpu, ["CPU", "GPU"]);
+    let options = Options { seed: 5, ..job.options(None, chunk) };
     derive(&job.plan, &job.axiom, &job.uniforms, &options, &mut pair)
         .and_then(|d| collect(&job.plan, &mut pair, &d))
         .map(drop)
@@ -348,6 +384,7 @@ impl Check {
             Closed => parity(engine, CLOSED, 1, None).and_then(|()| parity(engine, CLOSED_MIXED, 1, None)),
             Deep => deep(engine),
             Wide => parity(engine, WIDE, 40_000, None),
+            Values => parity(engine, VALUES, 3, None),
             Scans => scans(engine, &[0, 1, 63, 1024, 1025, 20_000]),
             // 64 elements a tile.
             WideScans => scans(engine, &[32_769 * 64]),
@@ -409,6 +446,11 @@ fn every_mutant_of_matching_and_counting_is_seen() {
 }
 
 #[test]
+fn every_mutant_of_elementary_functions_is_seen() {
+    kill(ELEMENTARY, Mapping::PointPerInvocation);
+}
+
+#[test]
 fn every_mutant_of_addresses_is_seen() {
     kill(ADDRESSES, Mapping::PointPerInvocation);
 }
@@ -437,7 +479,7 @@ fn every_mutant_of_scan_and_compaction_is_seen() {
 #[test]
 fn every_file_has_mutants() {
     let all: Vec<&Mutant> =
-        [MATCHING, ADDRESSES, CHILDREN, NETS, POINTS, SCANS].into_iter().flatten().collect();
+        [MATCHING, ELEMENTARY, ADDRESSES, CHILDREN, NETS, POINTS, SCANS].into_iter().flatten().collect();
     for folder in ["wgsl", "wgsl/shared"] {
         for entry in std::fs::read_dir(folder).expect("the kernels") {
             let path = entry.expect("an entry").path();

@@ -140,7 +140,7 @@ fn gpu_and_cpu_agree_after_every_pass_of_random_systems() {
             let job = Job::new(&case.text, &case.nets, settings(&case));
             let chunk = [None, Some(64), Some(7), Some(1)][seed as usize % 4];
             let chunk = chunk.filter(|c| *c > 1 || case.derive().iter().all(|w| w.modules.len() < 60));
-            let mut pair = Pair::new(job.cpu(2), job.gpu(&engine), ["CPU", "GPU"]);
+            let mut pair = Pair::new(&job.plan, job.cpu(2), job.gpu(&engine), ["CPU", "GPU"]);
             let options = job.options(case.steps.map(|s| s as u32), chunk);
             let result = derive(&job.plan, &job.axiom, &job.uniforms, &options, &mut pair);
             if let Err(e) = result.and_then(|d| collect(&job.plan, &mut pair, &d)) {

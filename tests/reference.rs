@@ -222,7 +222,7 @@ fn the_page_of_operations_is_the_table() {
         "Operators and functions of expressions.\n\n\
          Where an operation takes a float an int will do. `V` stands for `vec2`, `vec3` and `vec4` alike, the same\n\
          one throughout a line. In consts, params, counts and axioms the host computes all of them but\n\
-         `frame * v`; *in rules* says whether this version runs them there, on CPU and GPU.\n\
+         `noise` and `frame * v`; *in rules* says whether this version runs them there, on CPU and GPU.\n\
          The meaning of numbers is told in the [reference](super#values).\n",
     );
     for (title, operators) in [("Operators", true), ("Functions", false)] {

@@ -5,7 +5,7 @@ use burgeon::codegen::{self, Edit, GENERATED, Mapping, Shader, Tuning};
 use burgeon::language::{Severity, Span, Vocabulary, compile};
 use burgeon::plan::derive::StageId;
 use burgeon::plan::layout::Layout;
-use burgeon::plan::step::{Column, Extent, PASSES, Pass, Status};
+use burgeon::plan::step::{Clock, Column, Extent, PASSES, Pass, Status};
 use burgeon::plan::{Plan, step};
 use naga::back::{glsl, hlsl, msl, spv};
 use naga::proc::{BoundsCheckPolicies, Layouter};
@@ -315,11 +315,16 @@ fn members(module: &Module, name: &str) -> Option<(Vec<(String, u32)>, u32)> {
 
 #[test]
 fn structs_lie_in_wgsl_as_in_rust() {
+    let clock = offset_of!(Extent, clock);
     let extent = [
         ("count", offset_of!(Extent, count)),
-        ("step", offset_of!(Extent, step)),
         ("capacity", offset_of!(Extent, capacity)),
         ("wanted", offset_of!(Extent, wanted)),
+        ("step", clock + offset_of!(Clock, step)),
+        ("run_step", clock + offset_of!(Clock, run_step)),
+        ("seed", clock + offset_of!(Clock, seed)),
+        ("reserved_0", offset_of!(Extent, reserved)),
+        ("reserved_1", offset_of!(Extent, reserved) + 4),
     ];
     let reserved = offset_of!(Status, reserved);
     let status = [

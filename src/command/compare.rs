@@ -21,7 +21,7 @@ pub fn compare(flags: &flags::Compare) -> Result<(), Failure> {
     let options = run::options(&flags.derive, &job, &progress);
     let cpu = run::cpu(&job, flags.derive.threads as usize)?;
     let gpu = Gpu::new(&engine, &job.plan, &job.uniforms).map_err(of_gpu)?;
-    let mut pair = Pair::new(cpu, gpu, ["CPU", "GPU"]);
+    let mut pair = Pair::new(&job.plan, cpu, gpu, ["CPU", "GPU"]);
     let derivation = derive::derive(&job.plan, &job.axiom, &job.uniforms, &options, &mut pair);
     bar.clear();
     let derivation = derivation.map_err(|e| match e {

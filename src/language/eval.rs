@@ -3,6 +3,7 @@
 //! It uses the same rows of the table as the backends, one word at a time. For rows that no
 //! backend runs yet it has functions of its own in f32, so that every constant folds.
 
+use super::elementary;
 use super::expr::{Expr, ExprKind, Value};
 use super::ops::{Op, Row};
 use super::syntax::Span;
@@ -103,18 +104,6 @@ fn one(name: &str, a: &[f32]) -> Option<Value> {
         "ceil" => each(f32::ceil),
         "round" => each(f32::round_ties_even),
         "fract" => each(|x| x - x.floor()),
-        "exp" => each(f32::exp),
-        "exp2" => each(f32::exp2),
-        "log" => each(f32::ln),
-        "log2" => each(f32::log2),
-        "sin" => each(f32::sin),
-        "cos" => each(f32::cos),
-        "tan" => each(f32::tan),
-        "asin" => each(f32::asin),
-        "acos" => each(f32::acos),
-        "atan" => each(f32::atan),
-        "radians" => each(f32::to_radians),
-        "degrees" => each(f32::to_degrees),
         "length" => Some(Value::Float(length(a))),
         "normalize" => {
             let length = length(a);
@@ -134,9 +123,6 @@ fn two(name: &str, a: &[f32], b: &[f32]) -> Option<Value> {
         ("%", ..) => each(|x, y| x - y * (x / y).trunc()),
         ("min", ..) => each(f32::min),
         ("max", ..) => each(f32::max),
-        ("pow", ..) => each(f32::powf),
-        ("atan2", ..) => each(f32::atan2),
-        ("step", ..) => each(|edge, x| if x < edge { 0.0 } else { 1.0 }),
         ("dot", ..) => Some(Value::Float(dot(a, b))),
         ("distance", ..) => {
             let difference: Vec<f32> = pairs(a, b).map(|(x, y)| x - y).collect();
@@ -145,7 +131,7 @@ fn two(name: &str, a: &[f32], b: &[f32]) -> Option<Value> {
         ("cross", &[ax, ay], &[bx, by]) => Some(Value::Float(ax * by - ay * bx)),
         ("cross", &[..], &[..]) => cross(a, b).map(Value::Vec3),
         ("rotate", &[x, y], &[angle]) => {
-            let (sin, cos) = angle.to_radians().sin_cos();
+            let (sin, cos) = sine_and_cosine(angle);
             Some(Value::Vec2([x * cos - y * sin, x * sin + y * cos]))
         }
         _ => None,
@@ -171,11 +157,17 @@ fn three(name: &str, a: &[f32], b: &[f32], c: &[f32]) -> Option<Value> {
     }
 }
 
+/// Of an angle in degrees, as the backends have it.
+fn sine_and_cosine(degrees: f32) -> (f32, f32) {
+    let angle = degrees * 0.017453292;
+    (elementary::sin(angle), elementary::cos(angle))
+}
+
 /// `v` about an axis, by Rodrigues' formula.
 fn turn(v: &[f32], axis: &[f32], angle: f32) -> Option<[f32; 3]> {
     let length = length(axis);
     let k: Vec<f32> = axis.iter().map(|x| x / length).collect();
-    let (sin, cos) = angle.to_radians().sin_cos();
+    let (sin, cos) = sine_and_cosine(angle);
     let (side, along) = (cross(&k, v)?, dot(&k, v) * (1.0 - cos));
     let component = |i: usize| Some(v.get(i)? * cos + side[i] * sin + k.get(i)? * along);
     Some([component(0)?, component(1)?, component(2)?])

@@ -298,7 +298,7 @@ pub static TABLE: &[Row] = table! {
         "hash #" (state: Int, word: Int) -> Int, "bitcast<i32>(hash_word(bitcast<u32>({0}), bitcast<u32>({1})))", elementary::hash(state as u32, word as u32) as i32, "Mixes a word into a hash; behind `rand`.";
         "scale #" (hash: Int, total: Int) -> Int, "bitcast<i32>(scale_word(bitcast<u32>({0}), bitcast<u32>({1})))", elementary::scale(hash as u32, total as u32) as i32, "A hash spread over 0 to total - 1; behind the draw among alternatives.";
         "unit #" (hash: Int) -> Float, "unit_of_hash(bitcast<u32>({0}))", elementary::unit(hash as u32), "The upper 24 bits of a hash as a number in [0, 1).";
-        "slices #" (hash: Int) -> Int, "i32((bitcast<u32>({0}) >> 16u) + (bitcast<u32>({0}) & 0xffffu))", ((hash as u32 >> 16) + (hash as u32 & 0xffff)) as i32, "The sum of the two halves of a hash; behind `randn`.";
+        "slices #" (hash: Int) -> Int, "bitcast<i32>(slices_of_hash(bitcast<u32>({0})))", ((hash as u32 >> 16) + (hash as u32 & 0xffff)) as i32, "The sum of the two halves of a hash; behind `randn`.";
     }
     scalar {
         "%" (a: Float, b: Float) -> Float, "Remainder a - b * trunc(a / b), with the sign of the first.";

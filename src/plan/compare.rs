@@ -1,6 +1,8 @@
 //! Two backends in lockstep: every column of every pass compared.
 
+use super::Plan;
 use super::derive::{Backend, Modules, Outcome, StageId};
+use super::layout::Header;
 use super::step::Clock;
 
 /// What the passes of one sweep wrote, for comparison: the columns of [`super::step::Column`].
@@ -51,8 +53,13 @@ pub enum PairError<L, R> {
     Difference(Difference),
 }
 
+/// How far float parameters may be apart, relative to the greater: compilers of shaders may factor
+/// and reorder sums and products. Everything else must be equal to the bit.
+pub const ROUNDING: f32 = 1e-4;
+
 /// Two backends as one: it does everything on both and compares.
-pub struct Pair<L: Traced, R: Traced> {
+pub struct Pair<'a, L: Traced, R: Traced> {
+    plan: &'a Plan,
     left: L,
     right: R,
     names: [&'static str; 2],
@@ -65,12 +72,12 @@ pub struct Pair<L: Traced, R: Traced> {
 type ChunksOf<L, R> = (<L as Backend>::Chunk, <R as Backend>::Chunk);
 type ErrorOf<L, R> = PairError<<L as Backend>::Error, <R as Backend>::Error>;
 
-impl<L: Traced, R: Traced> Pair<L, R> {
+impl<'a, L: Traced, R: Traced> Pair<'a, L, R> {
     /// A pair whose messages use these names.
-    pub fn new(mut left: L, mut right: R, names: [&'static str; 2]) -> Self {
+    pub fn new(plan: &'a Plan, mut left: L, mut right: R, names: [&'static str; 2]) -> Self {
         left.set_traced();
         right.set_traced();
-        Pair { left, right, names, sweeps: 0, elements: 0 }
+        Pair { plan, left, right, names, sweeps: 0, elements: 0 }
     }
 
     fn same<T: PartialEq + Copy>(
@@ -107,9 +114,26 @@ impl<L: Traced, R: Traced> Pair<L, R> {
     ) -> Result<(), ErrorOf<L, R>> {
         let (left_records, left_nets) = self.left.read(left).map_err(PairError::Left)?;
         let (right_records, right_nets) = self.right.read(right).map_err(PairError::Right)?;
+        let right_records = self.within_rounding(&left_records, right_records);
         self.same(pass, &left_records, &right_records, |w| format!("{w:#x}"))?;
         let bits = |nets: &[[f32; 4]]| -> Vec<u32> { nets.iter().flatten().map(|x| x.to_bits()).collect() };
         self.same(pass, &bits(&left_nets), &bits(&right_nets), |w| format!("{:?}", f32::from_bits(w)))
+    }
+
+    /// The right records with the left's floats where these are near enough.
+    fn within_rounding(&self, left: &[u32], mut right: Vec<u32>) -> Vec<u32> {
+        let words = self.plan.tables.layout.record_words;
+        for (left, right) in left.chunks_exact(words).zip(right.chunks_exact_mut(words)) {
+            let symbol = Header::read(left).symbol as usize;
+            for at in self.plan.tables.symbols.get(symbol).iter().flat_map(|s| s.float_words()) {
+                let (a, b) = (f32::from_bits(left[at]), f32::from_bits(right[at]));
+                let near = (a - b).abs() <= ROUNDING * a.abs().max(b.abs());
+                if near || a.is_nan() && b.is_nan() {
+                    right[at] = left[at];
+                }
+            }
+        }
+        right
     }
 
     fn same_trace(&mut self) -> Result<(), ErrorOf<L, R>> {
@@ -121,7 +145,7 @@ impl<L: Traced, R: Traced> Pair<L, R> {
     }
 }
 
-impl<L: Traced, R: Traced> Backend for Pair<L, R> {
+impl<L: Traced, R: Traced> Backend for Pair<'_, L, R> {
     type Chunk = (L::Chunk, R::Chunk);
     type Error = ErrorOf<L, R>;
 
@@ -212,7 +236,7 @@ fn kind<C>(outcome: &Outcome<C>) -> usize {
     }
 }
 
-impl<L: Traced, R: Traced> Pair<L, R> {
+impl<L: Traced, R: Traced> Pair<'_, L, R> {
     /// The chunks of both, compared; where only one has modules, that is the difference.
     fn both(
         &mut self,

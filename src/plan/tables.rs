@@ -24,6 +24,15 @@ pub struct Symbol {
     pub hidden: bool,
 }
 
+impl Symbol {
+    /// The words of the record that hold floats.
+    pub fn float_words(&self) -> impl Iterator<Item = usize> + '_ {
+        let float = |ty: &Type| !matches!(ty, Type::Int | Type::Bool);
+        let fields = self.fields.iter().zip(&self.words).filter(move |(f, _)| float(&f.ty));
+        fields.flat_map(|(f, &at)| at..at + f.ty.words())
+    }
+}
+
 /// One module of a successor.
 #[derive(Clone, Debug)]
 pub struct Successor {
@@ -356,7 +365,7 @@ impl Builder<'_> {
                     return Err(Unsupported::new(what, alternative.span));
                 }
             };
-            productions.push(Production { rule: 0, predecessor, halves, cells, span: alternative.span });
+            productions.push(Production { rule: 0, predecessor, halves, cells, span: rule.span });
         }
         let matching = MatchRule {
             predecessor,

@@ -237,16 +237,9 @@ fn constructs_that_are_not_derived() {
         ("`rational` nets", patch("bezier 3 rational", "P(n: int)", "rules:\n  P(n) -> [ P(n) | P(n) ]")),
         ("degree 2×2", patch("bezier 2", "P(n: int)", "rules:\n  P(n) -> [ P(n) | P(n) ]")),
         ("degree 3×2", patch("bezier 3 2", "P(n: int)", "rules:\n  P(n) -> [ P(n) | P(n) ]")),
-        ("parameters of type float", patch("bezier 3", "P(x: float)", "rules:\n  P(x) -> P(x+1)")),
-        ("parameters of type vec3", patch("bezier 3", "P(n: int), Q(v: vec3)", "rules:\n  P(n) -> Q((1,2,3))\n  Q(v) -> eps")),
         ("queries (`?F`)", patch("bezier 3", "P(n: int)", "query F(f: float) = flatness\nrules:\n  ?F(f) P(n) : f > 1 -> [ P(n) | P(n) ]")),
         ("attribute `flatness`", bicubic("P(n) : flatness > 1 -> [ P(n) | P(n) ]")),
-        ("vectors in rules", bicubic("P(n) : uv.x > 0.5 -> [ P(n) | P(n) ]")),
-        ("`let`", bicubic("P(n) let m = n + 1 : m < 9 -> [ P(m) | P(m) ]")),
-        ("weights", bicubic("P(n) -> (1) [ P(n) | P(n) ] -> (2) eps")),
-        ("`rand`", bicubic("P(n) : rand() < 0.5 -> [ P(n) | P(n) ]")),
-        ("type float", bicubic("P(n) : sqrt(n) < 3 -> [ P(n) | P(n) ]")),
-        ("this version does not derive", bicubic("P(n) -> P(int(0.5*n))")),
+        ("attribute `uv`", bicubic("P(n) : uv.x > 0.5 -> [ P(n) | P(n) ]")),
     ];
     for (construct, text) in cases {
         folder.write("s.burgeon", text);

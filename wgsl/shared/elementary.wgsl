@@ -1,5 +1,5 @@
 // Elementary functions and hashes: the same text as src/language/elementary.rs, operation by
-// operation, so that the bits are the same on every device that rounds + - * / alike.
+// operation.
 
 fn quarter_turns(x: f32) -> vec2f {
   let n = round(x * 0.63661975);
@@ -15,8 +15,7 @@ fn sin_of_rest(r: f32) -> f32 {
 
 fn cos_of_rest(r: f32) -> f32 {
   let z = r * r;
-  let tail = ((0.000024433157 * z - 0.0013887316) * z + 0.041666646) * z * z;
-  return (tail - 0.5 * z) + 1.0;
+  return 1.0 - z * (0.5 - z * ((0.000024433157 * z - 0.0013887316) * z + 0.041666646));
 }
 
 fn portable_sin(x: f32) -> f32 {
@@ -166,6 +165,10 @@ fn scale_word(a: u32, b: u32) -> u32 {
   let middle = ah * bl + ((al * bl) >> 16u);
   let other = al * bh + (middle & 0xffffu);
   return ah * bh + (middle >> 16u) + (other >> 16u);
+}
+
+fn slices_of_hash(h: u32) -> u32 {
+  return (h >> 16u) + (h & 0xffffu);
 }
 
 fn unit_of_hash(h: u32) -> f32 {
