@@ -62,7 +62,8 @@
 //!
 //! The engine needs no feature of the device and only WebGPU's default limits. How records and nets lie
 //! in memory is told in [`plan::layout`]; the order of the word is in the records' keys, not in the order of
-//! the chunks. CPU and GPU give the same word, bit for bit on every device tried so far, and
+//! the chunks. CPU and GPU give the same word (nets and integers bit for bit on every device tried so
+//! far, float parameters within rounding), and
 //! `burgeon compare` checks it for your file on yours.
 //!
 //! # Where to look next
