@@ -55,7 +55,6 @@ pub struct MatchRule {
     pub productions: Range<usize>,
     /// Identifies the draw: from its label, or its index in the group.
     pub site: u32,
-    pub label: String,
     pub span: Span,
 }
 
@@ -308,7 +307,6 @@ fn closed_growth(stage: &Stage, symbols: &[Symbol]) -> Option<u32> {
 struct Pending {
     symbol: usize,
     block: system::Block,
-    label: String,
 }
 
 struct Builder<'a> {
@@ -349,17 +347,13 @@ impl Builder<'_> {
 
     fn rule(&mut self, rule: &Rule) -> Result<(MatchRule, Vec<Production>), Unsupported> {
         let predecessor = rule.strict[0];
-        let label = match &rule.label {
-            Some(label) => label.clone(),
-            None => format!("rule {} of {}", rule.index + 1, self.system.symbols[predecessor].name),
-        };
         let resolve = |e: &Expr| by_field(e, rule);
         let mut productions = Vec::new();
         for alternative in &rule.alternatives {
             let (halves, cells) = match &alternative.successor {
                 system::Successor::Erase => (0, Default::default()),
                 system::Successor::Relabel(m) => (0, [Some(successor(m, &resolve)), None, None, None]),
-                system::Successor::Split(b) => self.block(predecessor, b, &resolve, &label),
+                system::Successor::Split(b) => self.block(predecessor, b, &resolve),
                 system::Successor::Modules(_) => {
                     let what = "a successor of several modules without a block";
                     return Err(Unsupported::new(what, alternative.span));
@@ -374,7 +368,6 @@ impl Builder<'_> {
             weights: rule.alternatives.iter().filter_map(|a| a.weight.as_ref()).map(resolve).collect(),
             productions: 0..0,
             site: site(rule),
-            label,
             span: rule.span,
         };
         Ok((matching, productions))
@@ -388,7 +381,6 @@ impl Builder<'_> {
         predecessor: usize,
         block: &system::Block,
         resolve: &dyn Fn(&Expr) -> Expr,
-        label: &str,
     ) -> (u32, [Option<Successor>; 4]) {
         let halves = (block.rows == 2) as u32 | ((block.columns == 2) as u32) << 1;
         let mut cells: [Option<Successor>; 4] = Default::default();
@@ -406,7 +398,7 @@ impl Builder<'_> {
                     let inner = map_block(&inner, &mut |e| carried(e, own, &mut fields, &mut args));
                     let name = format!("{}'{}", self.symbols[predecessor].name, self.symbols.len());
                     let symbol = self.add_symbol(name, fields, true);
-                    self.pending.push(Pending { symbol, block: inner, label: label.to_string() });
+                    self.pending.push(Pending { symbol, block: inner });
                     Some(Successor { symbol, args })
                 }
             };
@@ -415,9 +407,9 @@ impl Builder<'_> {
     }
 
     fn split_pending(&mut self, pending: Pending) -> (MatchRule, Vec<Production>) {
-        let Pending { symbol, block, label } = pending;
+        let Pending { symbol, block } = pending;
         let span = block.span;
-        let (halves, cells) = self.block(symbol, &block, &|e| e.clone(), &label);
+        let (halves, cells) = self.block(symbol, &block, &|e| e.clone());
         let rule = MatchRule {
             predecessor: symbol,
             lets: Vec::new(),
@@ -425,7 +417,6 @@ impl Builder<'_> {
             weights: Vec::new(),
             productions: 0..0,
             site: 0,
-            label,
             span,
         };
         (rule, vec![Production { rule: 0, predecessor: symbol, halves, cells, span }])
