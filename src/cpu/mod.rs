@@ -15,7 +15,7 @@ pub mod scan;
 
 use crate::language::expr::Value;
 use crate::patch;
-use crate::plan::compare::{Trace, Traced};
+use crate::plan::compare::{Trace, Traced, UNTRACED};
 use crate::plan::derive::{self, Backend, Modules, Options, Outcome, StageId};
 use crate::plan::layout::Layout;
 use crate::plan::step::{Clock, Status};
@@ -256,9 +256,7 @@ impl Backend for Cpu<'_> {
 
 impl Traced for Cpu<'_> {
     fn trace(&self) -> &Trace {
-        const EMPTY: &Trace =
-            &Trace { rules: Vec::new(), counts: Vec::new(), offsets: Vec::new(), retired: Vec::new() };
-        self.trace.as_ref().unwrap_or(EMPTY)
+        self.trace.as_ref().unwrap_or(&UNTRACED)
     }
     fn set_traced(&mut self) {
         self.trace = Some(Trace::default());

@@ -10,7 +10,7 @@ use super::{Engine, Error};
 use crate::language::expr::Value;
 use crate::patch;
 use crate::plan::Plan;
-use crate::plan::compare::{Trace, Traced};
+use crate::plan::compare::{Trace, Traced, UNTRACED};
 use crate::plan::derive::{self, Backend, Modules, Options, Outcome, StageId};
 use crate::plan::layout::{Layout, MAX_HALVINGS};
 use crate::plan::step::{Clock, Extent, Status};
@@ -532,9 +532,7 @@ impl Backend for Gpu<'_> {
 
 impl Traced for Gpu<'_> {
     fn trace(&self) -> &Trace {
-        const EMPTY: &Trace =
-            &Trace { rules: Vec::new(), counts: Vec::new(), offsets: Vec::new(), retired: Vec::new() };
-        self.trace.as_ref().unwrap_or(EMPTY)
+        self.trace.as_ref().unwrap_or(&UNTRACED)
     }
     fn set_traced(&mut self) {
         self.trace = Some(Trace::default());

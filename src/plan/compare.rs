@@ -15,6 +15,10 @@ pub struct Trace {
     pub retired: Vec<u32>,
 }
 
+/// What a backend answers that was not asked to trace.
+pub static UNTRACED: Trace =
+    Trace { rules: Vec::new(), counts: Vec::new(), offsets: Vec::new(), retired: Vec::new() };
+
 /// A backend that can be asked what its passes wrote.
 pub trait Traced: Backend {
     /// The columns of the last sweep; empty unless [`Traced::set_traced`] asked for them.
