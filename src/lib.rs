@@ -109,6 +109,8 @@
 //! 1.2·10⁻³⁸ are denormal, and GPUs may round them to 0, so that there the backends may differ.
 #![forbid(unsafe_code)]
 pub mod codegen;
+#[cfg(feature = "gpu")]
+pub mod conformance;
 pub mod cpu;
 #[cfg(feature = "gpu")]
 pub mod gpu;

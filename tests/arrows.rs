@@ -13,6 +13,8 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("cpu", &["language", "patch", "plan", "tessellate"]),
     ("codegen", &["language", "patch", "plan", "tessellate"]),
     ("gpu", &["language", "patch", "plan", "tessellate", "codegen"]),
+    // The one place where CPU and GPU meet.
+    ("conformance", &["language", "patch", "io", "plan", "tessellate", "cpu", "codegen", "gpu"]),
     ("render", &["language", "patch", "plan", "tessellate", "codegen", "gpu", "io"]),
 ];
 

@@ -4,6 +4,8 @@
 use crate::device;
 use crate::oracle::Random;
 use crate::parity::system;
+use burgeon::conformance::elementary::FUNCTIONS;
+use burgeon::conformance::systems::WRITTEN;
 use burgeon::cpu::Cpu;
 use burgeon::gpu::Gpu;
 use burgeon::language::elementary;
@@ -137,14 +139,10 @@ fn random_expressions_are_alike_on_cpu_and_gpu() {
     }
 }
 
-const LOTS: &str = "system lots : patch bezier 3\nmodule A(n: int, x: float, g: float), B\n\
-    axiom: A(0, 0.0, 0.0) = file \"net.bpt\"\nrules:\n  A(n, x, g) : n < 5\n    \
-    ->(0.1) eps\n    ->(0.6) [ A(n+1, rand(), randn()) A(n+1, rand(-1, 1), 0.0) ; B A(n+1, 0.5, rand()) ]\n    \
-    ->(if(n > 2, 0.3, 0.0)) [ [ A(n+1, rand(), rand()) | B ] | A(n+1, rand(), 0.0) ]\nrun:\n  derive 5\n";
-
 #[test]
 fn lots_fall_alike_on_cpu_and_gpu_and_differ_by_seed() {
-    let (plan, axiom) = job(LOTS);
+    let lots = WRITTEN.iter().find(|s| s.name == "lots").expect("a system of the suite");
+    let (plan, axiom) = job(lots.text);
     let on_cpu = |seed| word(&plan, &axiom, seed, &mut Cpu::new(&plan, &[], 2).expect("threads"));
     let first = (1..9).map(on_cpu).find(|w| w.modules.len() > 50).expect("a seed that grows");
     assert!((1..9).any(|seed| on_cpu(seed) != first), "the seed changes nothing");
@@ -199,39 +197,15 @@ fn the_hash_is_frozen() {
 
 const HASHES: [u32; 3] = [0x9bb31115, 0x01e95d13, 0xe53adcfd];
 
-/// The greatest error of `f` against `exact` in units in the last place of the result, and where.
-fn ulps(f: fn(f32) -> f32, exact: fn(f64) -> f64, low: f32, high: f32, floor: f64) -> (f64, f32) {
-    let mut worst = (0.0, 0.0);
-    for n in 0..200_000 {
-        let x = low + (high - low) * (n as f32 / 199_999.0);
-        let truth = exact(x as f64);
-        let unit = truth.abs().max(floor) * f64::from(f32::EPSILON);
-        let error = (f(x) as f64 - truth).abs() / unit;
-        if error > worst.0 {
-            worst = (error, x);
-        }
-    }
-    worst
-}
-
 #[test]
 fn elementary_functions_are_near_the_truth() {
-    type Row = (&'static str, fn(f32) -> f32, fn(f64) -> f64, f32, f32, f64, f64);
-    let rows: [Row; 10] = [
-        ("sin", elementary::sin, f64::sin, -100.0, 100.0, 1.0, 1.5),
-        ("sin far", elementary::sin, f64::sin, 100.0, 8192.0, 1.0, 2.0),
-        ("cos", elementary::cos, f64::cos, -100.0, 100.0, 1.0, 1.5),
-        ("exp", elementary::exp, f64::exp, -87.0, 88.0, 0.0, 2.0),
-        ("exp2", elementary::exp2, f64::exp2, -126.0, 126.9, 0.0, 2.0),
-        ("log", elementary::log, f64::ln, 1e-6, 1000.0, 1.0, 2.0),
-        ("log2", elementary::log2, f64::log2, 1e-6, 1000.0, 1.0, 3.0),
-        ("atan", elementary::atan, f64::atan, -50.0, 50.0, 0.0, 2.5),
-        ("asin", elementary::asin, f64::asin, -1.0, 1.0, 0.1, 4.0),
-        ("acos", elementary::acos, f64::acos, -1.0, 1.0, 0.1, 4.0),
-    ];
-    for (name, f, exact, low, high, floor, allowed) in rows {
-        let (worst, at) = ulps(f, exact, low, high, floor);
-        assert!(worst <= allowed, "{name}({at}): {worst:.2} ulp, {allowed} allowed");
+    for f in FUNCTIONS {
+        let errors = (0..200_000).map(|n| {
+            let x = f.argument(n, 200_000);
+            (f.error(x, (f.cpu)(x)), x)
+        });
+        let (worst, at) = errors.fold((0.0, 0.0), |a, b| if b.0 > a.0 { b } else { a });
+        assert!(worst <= f.ulps, "{}({at}): {worst:.2} ulp, {} allowed", f.name, f.ulps);
     }
 }
 

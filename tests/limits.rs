@@ -5,9 +5,10 @@ use crate::device;
 use crate::oracle::{self, Tolerance};
 use crate::parity::{Job, settings, system};
 use burgeon::codegen::{Mapping, Tuning};
+use burgeon::conformance::capacity::{self, UNEVEN};
+use burgeon::conformance::{self, systems::Nets};
 use burgeon::gpu::{self, Engine, Gpu, Measure, Scans};
 use burgeon::patch::Word;
-use burgeon::plan::compare::Traced;
 use burgeon::plan::derive::{Backend, Derivation, Outcome, StageId, bounds, collect, derive};
 use burgeon::plan::step::Clock;
 use burgeon::plan::{self, Options, Plan, schedule};
@@ -17,20 +18,13 @@ use std::fmt::Debug;
 /// Bytes of a module without parameters, or with up to two words of them.
 const MODULE: u64 = 32 + 256;
 
-/// Nets of small integers that follow no pattern.
+/// The suite's nets as the oracle takes them.
 pub fn lattice(count: usize) -> Vec<oracle::Net> {
-    let mut state = 0x2545_f491u32;
-    let mut number = move || {
-        state ^= state << 13;
-        state ^= state >> 17;
-        state ^= state << 5;
-        f64::from(state % 64) - 32.0
+    let net = |n: burgeon::patch::Net| {
+        let points = n.points.iter().map(|p| p.map(f64::from)).collect();
+        oracle::Net::new(n.degree.map(usize::from), points)
     };
-    let mut net = || {
-        let points = (0..16).map(|_| [number(), number(), number(), 1.0]).collect();
-        oracle::Net::new([3, 3], points)
-    };
-    (0..count).map(|_| net()).collect()
+    conformance::lattice(count).into_iter().map(net).collect()
 }
 
 fn job(text: &str, roots: usize) -> Job {
@@ -111,21 +105,6 @@ fn assert_oracle(job: &Job, text: &str, roots: usize, chunk: Option<usize>) {
 
 // --- capacity ------------------------------------------------------------------------------------
 
-/// Splits, a part of a split, ε, modules that stay, and modules that are retired.
-const UNEVEN: &str = "\
-system uneven : patch bezier 3
-module P(n: int), Q
-axiom: P(0) = file \"x\"  Q = file \"x\"  P(1) = file \"x\"  P(2) = file \"x\"  Q = file \"x\"  P(3) = file \"x\"  P(4) = file \"x\"
-rules:
-  P(n) : n == 0 -> [ P(0) P(1) ; P(2) P(3) ]
-  P(n) : n == 1 -> [ eps eps ; P(7) Q ]
-  P(n) : n == 2 -> eps
-  P(n) : n == 3 -> [ Q | P(n) ]
-  P(n) : n == 4 && step > 9 -> eps
-run:
-  derive 1
-";
-
 /// Every engine with every mapping of emit.
 fn all_engines() -> Vec<(String, Engine)> {
     let with = |(name, engine): (String, Engine)| {
@@ -137,129 +116,12 @@ fn all_engines() -> Vec<(String, Engine)> {
     device::engines().into_iter().flat_map(with).collect()
 }
 
-/// What stands in a chunk before anything is written.
-const UNTOUCHED: (u32, f32) = (0xdead_beef, -77.25);
-
-fn untouched(job: &Job, modules: usize) -> (Vec<u32>, Vec<[f32; 4]>) {
-    let layout = job.plan.tables.layout;
-    let (word, float) = UNTOUCHED;
-    (vec![word; modules * layout.record_words], vec![[float; 4]; modules * layout.net_points()])
-}
-
-/// A step into buffers of a given capacity, on a chunk whose exact result is known.
-struct Filling<'a> {
-    job: &'a Job,
-    id: StageId,
-    /// What comes when there is room: (records, nets) of the new chunk and of the finished one.
-    exact: [(Vec<u32>, Vec<[f32; 4]>); 2],
-    /// Where the children of each module begin, and their number.
-    offsets: Vec<u32>,
-}
-
-/// More than the exact size, so that something stands behind it.
-const BEHIND: usize = 5;
-
-impl Filling<'_> {
-    fn new(job: &Job) -> Filling<'_> {
-        let id = StageId { rule_set: 0, stage: 0 };
-        let mut cpu = job.cpu(1);
-        cpu.set_traced();
-        let (records, nets) = job.plan.axiom(&job.axiom, &job.uniforms).expect("the axiom");
-        let chunk = cpu.upload(records, nets).expect("a chunk");
-        let Ok(Outcome::Done { next, retired, .. }) = cpu.step(id, Clock::default(), &chunk, u64::MAX) else {
-            panic!("a step with all the room there is");
-        };
-        let mut offsets = cpu.trace().offsets.clone();
-        if let Some(growth) = id.of(&job.plan).closed {
-            offsets = (0..=cpu.len(&chunk) as u32).map(|i| i * growth).collect();
-        }
-        let mut read =
-            |chunk: Option<_>| chunk.map_or_else(Default::default, |c| cpu.read(&c).expect("modules"));
-        Filling { job, id, exact: [read(next), read(retired.map(|r| r.0))], offsets }
-    }
-
-    fn needed(&self) -> [usize; 2] {
-        let words = self.job.plan.tables.layout.record_words;
-        [0, 1].map(|n| self.exact[n].0.len() / words)
-    }
-
-    /// Steps with these capacities and checks what was said and what was written.
-    fn check(&self, name: &str, gpu: &mut Gpu, capacity: [usize; 2]) {
-        let (records, nets) = self.job.plan.axiom(&self.job.axiom, &self.job.uniforms).expect("the axiom");
-        let chunk = gpu.upload(records, nets).expect("a chunk");
-        let needed = self.needed();
-        let targets = [0, 1].map(|n| {
-            let (records, nets) = untouched(self.job, needed[n] + BEHIND);
-            gpu.upload(records, nets).expect("a target")
-        });
-        let result = gpu.step_into(
-            self.id,
-            Clock::default(),
-            &chunk,
-            (&targets[0], capacity[0]),
-            (&targets[1], capacity[1]),
-        );
-        let what = format!("{name}: {needed:?} into {capacity:?}");
-        let short = [0, 1].map(|n| capacity[n] < needed[n]);
-        match result {
-            Ok(()) => assert_eq!(short, [false; 2], "{what}"),
-            Err(gpu::Error::Capacity { buffer, needed: said, capacity: had }) => {
-                let n = if short[0] { 0 } else { 1 };
-                let buffers = ["the new chunk", "the finished chunk"];
-                assert_eq!(
-                    (buffer, said as usize, had as usize),
-                    (buffers[n], needed[n], capacity[n]),
-                    "{what}"
-                );
-                assert!(short[n], "{what}");
-            }
-            Err(e) => panic!("{what}: {e}"),
-        }
-        // All children of a module or none: emit writes up to the last module that fits whole.
-        let fit = |room: usize| *self.offsets.iter().rfind(|&&o| o as usize <= room).unwrap_or(&0) as usize;
-        let written = [fit(capacity[0]), capacity[1].min(needed[1])];
-        for n in 0..2 {
-            let got = gpu.read(&targets[n]).expect("the target");
-            self.assert_written(&format!("{what}, target {n}"), &got, &self.exact[n], written[n]);
-        }
-    }
-
-    fn assert_written(
-        &self,
-        what: &str,
-        got: &(Vec<u32>, Vec<[f32; 4]>),
-        exact: &(Vec<u32>, Vec<[f32; 4]>),
-        modules: usize,
-    ) {
-        let layout = self.job.plan.tables.layout;
-        let (words, points) = (modules * layout.record_words, modules * layout.net_points());
-        assert_eq!(got.0[..words], exact.0[..words], "{what}: records");
-        assert_eq!(got.1[..points], exact.1[..points], "{what}: nets");
-        let (word, float) = UNTOUCHED;
-        let behind = got.0[words..].iter().position(|&w| w != word);
-        assert_eq!(behind, None, "{what}: word behind the {modules} records");
-        let behind = got.1[points..].iter().position(|&p| p != [float; 4]);
-        assert_eq!(behind, None, "{what}: point behind the {modules} nets");
-    }
-}
-
 #[test]
 fn a_buffer_too_small_is_named_and_nothing_is_written_behind_its_end() {
-    for (text, roots) in [(closed(1), 9), (UNEVEN.to_string(), 3)] {
-        let job = job(&text, roots);
-        let filling = Filling::new(&job);
-        let [new, finished] = filling.needed();
+    for (text, roots) in [(capacity::CLOSED, 9), (UNEVEN, 3)] {
+        let job = conformance::systems::Job::new(text, Nets::Lattice(roots)).expect("a system");
         for (name, engine) in all_engines() {
-            let mut gpu = job.gpu(&engine);
-            filling.check(&name, &mut gpu, [new, finished]);
-            filling.check(&name, &mut gpu, [new + BEHIND, finished + BEHIND]);
-            for short in [1, 2, 3, 4, 5, new / 2, new] {
-                filling.check(&name, &mut gpu, [new - short, finished]);
-            }
-            for short in [1, finished].into_iter().filter(|_| finished > 0) {
-                filling.check(&name, &mut gpu, [new, finished - short]);
-                filling.check(&name, &mut gpu, [new - 1, finished - short]);
-            }
+            capacity::compare(&engine, &job).unwrap_or_else(|e| panic!("{name}: {e}"));
         }
     }
 }

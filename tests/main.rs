@@ -4,6 +4,8 @@ mod check;
 #[cfg(feature = "cli")]
 mod command;
 #[cfg(feature = "gpu")]
+mod conformance;
+#[cfg(feature = "gpu")]
 mod device;
 #[cfg(feature = "gpu")]
 mod expressions;

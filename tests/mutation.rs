@@ -6,27 +6,24 @@
 //! order of independent writes, a bounds check that the buffer's own end repeats.
 
 use crate::device;
-use crate::limits::lattice;
-use crate::parity::Job;
 use burgeon::codegen::{Edit, GENERATED, Mapping, Tuning};
-use burgeon::gpu::{self, Engine, Measure, Scans};
-use burgeon::plan::Options;
-use burgeon::plan::compare::Pair;
-use burgeon::plan::derive::{collect, derive};
+use burgeon::conformance::systems::{WIDE, WRITTEN};
+use burgeon::conformance::{Compared, Trouble, scans};
+use burgeon::gpu::{self, Engine};
 use std::path::Path;
 
-/// How a mutant is looked for.
+/// How a mutant is looked for: systems and scans of the conformance suite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Check {
-    /// [`EVERY`] in chunks.
+    /// `every` in chunks.
     Every,
-    /// [`CLOSED`], [`CLOSED_MIXED`]: growth as a closed form.
+    /// `closed`, `mixed`: growth as a closed form.
     Closed,
-    /// [`DEEP`]: addresses to the last bit and beyond.
+    /// `deep`, `deep_closed`: addresses to the last bit and beyond.
     Deep,
     /// Workgroups in two dimensions.
     Wide,
-    /// [`VALUES`]: elementary functions, random numbers and weights.
+    /// `values`: elementary functions, random numbers and weights.
     Values,
     /// Scan and compaction by themselves.
     Scans,
@@ -192,175 +189,18 @@ const SCANS: &[Mutant] = &[
     ("spine", "if local == WORKGROUP - 1u", "if local == 0u", Scans),
 ];
 
-/// Everything that a step does: guards of every kind, a nested block, 1×2 and 2×1, ε, relabelling
-/// until nothing changes, `level` and `step`, params, retirement and return in a second group.
-const EVERY: &str = "\
-system every : patch bezier 3
-param depth: int = 3 in 0 .. 5
-param flip: bool = true
-param three: int = 3
-param ten: int = 10
-param zero: int = 0
-module A(n: int, k: bool), B(n: int), C, D(n: int), E(n: int, m: int)
-axiom: A(0, true) = file \"lattice.bpt\" [0]  B(-7) = file \"lattice.bpt\" [1]
-rules:
-  A(n, k) : n < depth && k -> [ A(n + 1, k) B(n*three - 7) ; [ A(n + 2, !k) eps ; C E(n / zero, n % 2) ] A(n + 1, flip && n > 1) ]
-  A(n, k) : n < depth      -> [ A(n + 1, flip) | B(level) ]
-  A(n, k) : n == depth     -> [ C ; E(level, n % zero) ]
-  B(n) : n < 0             -> B(n / 2 + n % 3)
-  B(n) : n > 2             -> eps
-  E(n, m) : step > 1       -> [ eps | D(n + ten*m) ]
-rules thin:
-  C    -> [ D(level) eps ; eps D(1) ]
-  D(n) : n % 2 == 0 -> eps
-run:
-  derive 4
-  derive 2 with thin
-";
-
-const CLOSED: &str = "\
-system closed : patch bezier 3
-module P
-axiom: P = file \"lattice.bpt\"
-rules:
-  P -> [ P P ; P P ]
-run:
-  derive 2
-";
-
-const CLOSED_MIXED: &str = "\
-system mixed : patch bezier 3
-module P, Q
-axiom: P = file \"lattice.bpt\"
-rules:
-  P -> [ P | Q ]
-  Q -> [ P ; Q ]
-run:
-  derive 3
-";
-
-/// Two paths to the bottom: one by whole splits, one that is odd by a column, so that a split's two
-/// bits straddle the words of the key. The last step does not fit any more.
-const DEEP: &str = "\
-system deep : patch bezier 3
-module P(n: int), Q(n: int)
-axiom: P(0) = file \"lattice.bpt\" [0]  Q(0) = file \"lattice.bpt\" [1]
-rules:
-  P(n) : n % 3 == 0 -> [ eps eps ; eps P(n + 1) ]
-  P(n) : n % 3 == 1 -> [ eps P(n + 1) ; eps eps ]
-  P(n) : n % 3 == 2 -> [ eps eps ; P(n + 1) eps ]
-  Q(n) : n == 0 -> [ eps | Q(1) ]
-  Q(n) : n % 2 == 0 -> [ eps eps ; eps Q(n + 1) ]
-  Q(n) -> [ Q(n + 1) eps ; eps eps ]
-run:
-  derive 31
-";
-
-/// The closed form of it, one step deeper than fits.
-const DEEP_CLOSED: &str = "\
-system deep : patch bezier 3
-module P
-axiom: P = file \"lattice.bpt\" [0]
-rules:
-  P -> [ eps | P ]
-run:
-  derive 32
-";
-
-/// Every file of elementary functions, random numbers of every kind, a draw.
-const VALUES: &str = "\
-system values : patch bezier 3
-module P(x: float), Q(a: float, b: float, c: float, d: float), R(n: int)
-axiom: P(0.0) = file \"lattice.bpt\"
-rules:
-  P(x) : x < 20 -> [ P(x + 1.7) Q(sin(x), cos(x - 9), exp(x - 3), log(x + 0.1)) ; P(3.3*x + 2) Q(atan(x - 4), noise((x, 0.37*x, 1.9)), rand(), randn()) ]
-  Q(a, b, _, _)
-    ->(0.3 + a*a) R(1)
-    ->(b*b) R(2)
-    ->(0.5) Q(b, a, 0, 0)
-run:
-  derive 4
-";
-
-const WIDE: &str = "\
-system wide : patch bezier 3
-module P(n: int)
-axiom: P(0) = file \"lattice.bpt\"
-rules:
-  P(n) : n < 1 -> [ P(n + 1) | eps ]
-run:
-  derive 1
-";
-
-/// Both backends in lockstep; what went wrong.
-fn parity(engine: &Engine, text: &str, roots: usize, chunk: Option<usize>) -> Result<(), String> {
-    let job = Job::new(text, &lattice(roots), Vec::new());
-    let gpu = gpu::Gpu::new(engine, &job.plan, &job.uniforms).map_err(|e| refused(&e))?;
-    let mut pair = Pair::new(&job.plan, job.cpu(1), gpu, ["CPU", "GPU"]);
-    let options = Options { seed: 5, ..job.options(None, chunk) };
-    derive(&job.plan, &job.axiom, &job.uniforms, &options, &mut pair)
-        .and_then(|d| collect(&job.plan, &mut pair, &d))
-        .map(drop)
-        .map_err(|e| e.to_string())
+/// A system of the suite, both backends in lockstep; what went wrong.
+fn parity(engine: &Engine, name: &str, chunk: Option<usize>) -> Result<(), String> {
+    let subject = WRITTEN.iter().chain([&WIDE]).find(|s| s.name == name).expect("a system of the suite");
+    seen(subject.compare(engine, &[chunk], None))
 }
 
-/// A mutant must be a kernel at all.
-fn refused(error: &gpu::Error) -> String {
-    match error {
-        gpu::Error::Codegen(e) => panic!("this is no mutant: {e}"),
-        other => other.to_string(),
-    }
-}
-
-/// Both must refuse the same step; that is no difference.
-fn deep(engine: &Engine) -> Result<(), String> {
-    parity(engine, DEEP, 2, None)?;
-    let one_more = DEEP.replace("derive 31", "derive 32");
-    for text in [&one_more, DEEP_CLOSED] {
-        match parity(engine, text, 2, None) {
-            Err(e) if e.contains("halved more than 31 times") && e.contains("(step 32)") => {}
-            Err(e) => return Err(e),
-            Ok(()) => return Err("32 halvings were accepted".to_string()),
-        }
-    }
-    Ok(())
-}
-
-fn numbers(length: usize) -> Vec<u32> {
-    (0..length as u32).map(|i| i.wrapping_mul(0x9e37_79b9) >> 29).collect()
-}
-
-fn scans(engine: &Engine, lengths: &[usize]) -> Result<(), String> {
-    let scans = Scans::new(engine).map_err(|e| refused(&e))?;
-    for &length in lengths {
-        let source = numbers(length);
-        for what in [Measure::Scan, Measure::Compact { wanted: 2 }] {
-            let buffers = scans.prepare(what, &source).map_err(|e| e.to_string())?;
-            scans.run(what, &buffers).map_err(|e| e.to_string())?;
-            let got = scans.read(what, &buffers).map_err(|e| e.to_string())?;
-            if got != expected(what, &source) {
-                return Err(format!("{what:?} of {length}"));
-            }
-        }
-    }
-    Ok(())
-}
-
-fn expected(what: Measure, source: &[u32]) -> Vec<u32> {
-    match what {
-        Measure::Scan => {
-            let mut sum = 0;
-            let before = source.iter().map(|c| {
-                sum += c;
-                sum - c
-            });
-            let mut offsets: Vec<u32> = before.collect();
-            offsets.push(sum);
-            offsets
-        }
-        Measure::Compact { wanted } => {
-            (0..source.len() as u32).filter(|&i| source[i as usize] == wanted).collect()
-        }
+/// What a mutant was seen by; it must be a kernel at all.
+fn seen(result: Result<Compared, Trouble>) -> Result<(), String> {
+    match result {
+        Ok(_) => Ok(()),
+        Err(Trouble::Failed(gpu::Error::Codegen(e))) => panic!("this is no mutant: {e}"),
+        Err(e) => Err(e.to_string()),
     }
 }
 
@@ -380,14 +220,14 @@ impl Check {
 
     fn run(self, engine: &Engine) -> Result<(), String> {
         match self {
-            Every => parity(engine, EVERY, 2, Some(9)),
-            Closed => parity(engine, CLOSED, 1, None).and_then(|()| parity(engine, CLOSED_MIXED, 1, None)),
-            Deep => deep(engine),
-            Wide => parity(engine, WIDE, 40_000, None),
-            Values => parity(engine, VALUES, 3, None),
-            Scans => scans(engine, &[0, 1, 63, 1024, 1025, 20_000]),
+            Every => parity(engine, "every", Some(9)),
+            Closed => parity(engine, "closed", None).and_then(|()| parity(engine, "mixed", None)),
+            Deep => parity(engine, "deep", None).and_then(|()| parity(engine, "deep_closed", None)),
+            Wide => parity(engine, "wide", None),
+            Values => parity(engine, "values", None),
+            Scans => seen(scans::compare(engine, &[0, 1, 63, 1024, 1025, 20_000])),
             // 64 elements a tile.
-            WideScans => scans(engine, &[32_769 * 64]),
+            WideScans => seen(scans::compare(engine, &[32_769 * 64])),
         }
     }
 }

@@ -2,48 +2,11 @@
 
 use crate::device;
 use burgeon::codegen::Tuning;
+use burgeon::conformance::scans::{self, counts, expected, same};
 use burgeon::cpu;
-use burgeon::gpu::{Engine, Measure, Scans};
+use burgeon::gpu::{Engine, Measure};
 
 const LENGTHS: [usize; 7] = [0, 1, 255, 256, 257, 65_537, (1 << 24) + 1];
-
-/// Counts 0..=4 that follow no pattern.
-fn counts(length: usize) -> Vec<u32> {
-    let mut state = 0x9e37_79b9u32;
-    (0..length)
-        .map(|_| {
-            state ^= state << 13;
-            state ^= state >> 17;
-            state ^= state << 5;
-            state % 5
-        })
-        .collect()
-}
-
-fn expected_offsets(counts: &[u32]) -> Vec<u32> {
-    let mut sum = 0u32;
-    let mut offsets: Vec<u32> = counts
-        .iter()
-        .map(|&c| {
-            sum = sum.wrapping_add(c);
-            sum.wrapping_sub(c)
-        })
-        .collect();
-    offsets.push(sum);
-    offsets
-}
-
-fn expected_indices(source: &[u32], wanted: u32) -> Vec<u32> {
-    (0..source.len() as u32).filter(|&i| source[i as usize] == wanted).collect()
-}
-
-/// `assert_eq` would print 16 million numbers.
-fn same(what: &str, got: &[u32], expected: &[u32]) {
-    assert_eq!(got.len(), expected.len(), "{what}: length");
-    if let Some(i) = (0..got.len()).find(|&i| got[i] != expected[i]) {
-        panic!("{what}: element {i} is {} and should be {}", got[i], expected[i]);
-    }
-}
 
 #[test]
 fn cpu_scans_and_compacts_every_length() {
@@ -51,10 +14,11 @@ fn cpu_scans_and_compacts_every_length() {
         let source = counts(length);
         let mut offsets = vec![7; length + 1];
         cpu::scan::scan(&source, &mut offsets);
-        same(&format!("scan of {length}"), &offsets, &expected_offsets(&source));
+        same(&format!("scan of {length}"), &offsets, &expected(Measure::Scan, &source)).unwrap();
         let mut indices = vec![7; 3];
         cpu::compact::compact(&source, 2, &mut indices);
-        same(&format!("compaction of {length}"), &indices, &expected_indices(&source, 2));
+        let what = Measure::Compact { wanted: 2 };
+        same(&format!("compaction of {length}"), &indices, &expected(what, &source)).unwrap();
     }
 }
 
@@ -63,19 +27,7 @@ fn gpu_scans_and_compacts_every_length_with_both_tunings() {
     let Some(headless) = device::headless() else { return };
     for tuning in [Tuning::CPU_DRIVER, Tuning::GPU] {
         let engine = Engine::with_tuning(&headless.device, &headless.queue, tuning);
-        let scans = Scans::new(&engine).expect("the kernels compile");
-        for length in LENGTHS {
-            let source = counts(length);
-            for (what, expected) in [
-                (Measure::Scan, expected_offsets(&source)),
-                (Measure::Compact { wanted: 2 }, expected_indices(&source, 2)),
-            ] {
-                let buffers = scans.prepare(what, &source).expect("buffers");
-                scans.run(what, &buffers).expect("run");
-                let got = scans.read(what, &buffers).expect("read");
-                same(&format!("{what:?} of {length} with {tuning:?}"), &got, &expected);
-            }
-        }
+        scans::compare(&engine, &LENGTHS).unwrap_or_else(|e| panic!("{tuning:?}: {e}"));
     }
 }
 

@@ -15,12 +15,10 @@ pub fn devices(_: &flags::Devices) -> Result<(), Failure> {
     for (n, adapter) in list.iter().enumerate() {
         let (info, limits) = (adapter.get_info(), adapter.limits());
         let mark = if n == 0 { "auto ->" } else { "" };
-        let driver: Vec<&str> =
-            [info.driver.trim(), info.driver_info.trim()].into_iter().filter(|s| !s.is_empty()).collect();
         text.push_str(&format!(
             "{mark:7} {}\n          driver: {}\n          largest binding {} MiB, largest buffer {} MiB, {} storage buffers a stage\n",
             label(&info),
-            driver.join(", "),
+            driver(&info),
             limits.max_storage_buffer_binding_size >> 20,
             limits.max_buffer_size >> 20,
             limits.max_storage_buffers_per_shader_stage,
@@ -46,6 +44,13 @@ pub fn label(info: &wgpu::AdapterInfo) -> String {
         other => format!("{other:?}"),
     };
     format!("{} ({backend}, {kind})", info.name)
+}
+
+/// The driver and its version, as far as it tells.
+#[cfg(feature = "gpu")]
+pub fn driver(info: &wgpu::AdapterInfo) -> String {
+    let parts = [info.driver.trim(), info.driver_info.trim()];
+    parts.into_iter().filter(|s| !s.is_empty()).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(not(feature = "gpu"))]

@@ -94,6 +94,16 @@ pub struct Compare {
 }
 
 #[derive(Args)]
+pub struct Selftest {
+    /// The first adapter whose name or backend holds this text; `burgeon devices` lists them
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+    /// Print one JSON object in place of the table
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args)]
 pub struct Devices {}
 
 #[derive(Args)]

@@ -9,6 +9,7 @@ mod output;
 mod progress;
 mod quiet;
 mod run;
+mod selftest;
 mod show;
 mod stop;
 
@@ -30,7 +31,7 @@ Exit status:
     1  an input or output file is at fault
     2  wrong usage
     3  the device or a limit, such as the memory budget
-    4  CPU and GPU disagree (compare)
+    4  CPU and GPU disagree (compare, selftest)
   130  stopped by Ctrl-C";
 
 #[derive(Subcommand)]
@@ -44,6 +45,8 @@ enum Command {
     Wgsl(flags::Wgsl),
     /// Derive on the CPU and on the GPU, and compare every pass
     Compare(flags::Compare),
+    /// Run the conformance suite: does the GPU do what the CPU does?
+    Selftest(flags::Selftest),
     /// List the adapters, and which one is taken
     Devices(flags::Devices),
     /// Measure CPU and GPU against their memory bandwidth
@@ -54,7 +57,7 @@ impl Command {
     fn looks_for_adapters(&self) -> bool {
         match self {
             Command::Run(flags) => flags.backend != flags::Backend::Cpu || output::needs_adapter(&flags.out),
-            Command::Compare(_) | Command::Devices(_) | Command::Bench(_) => true,
+            Command::Compare(_) | Command::Selftest(_) | Command::Devices(_) | Command::Bench(_) => true,
             Command::Check(_) | Command::Wgsl(_) => false,
         }
     }
@@ -118,6 +121,7 @@ pub fn main() -> ExitCode {
         Command::Check(flags) => show::check(&flags),
         Command::Wgsl(flags) => show::wgsl(&flags),
         Command::Compare(flags) => compare::compare(&flags),
+        Command::Selftest(flags) => selftest::selftest(&flags),
         Command::Devices(flags) => devices::devices(&flags),
         Command::Bench(flags) => bench::bench(&flags),
     };

@@ -48,6 +48,26 @@ impl Bar {
         }
     }
 
+    /// One of so many cases begins.
+    #[cfg_attr(not(feature = "gpu"), expect(dead_code))]
+    pub fn case(&self, n: usize, of: usize, name: &str) {
+        if self.waits() {
+            return;
+        }
+        self.style("case {pos}/{len} [{bar:30}] {wide_msg}");
+        self.bar.update(|state| {
+            state.set_len(of as u64);
+            state.set_pos(n as u64);
+        });
+        self.bar.set_message(name.to_string());
+    }
+
+    /// What `work` prints stands above the bar.
+    #[cfg_attr(not(feature = "gpu"), expect(dead_code))]
+    pub fn above<T>(&self, work: impl FnOnce() -> T) -> T {
+        self.bar.suspend(work)
+    }
+
     /// A message above the bar.
     pub fn say(&self, text: &str) {
         self.bar.suspend(|| super::say(text));

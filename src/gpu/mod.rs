@@ -59,6 +59,11 @@ impl Engine {
         Engine { device: device.clone(), queue: queue.clone(), tuning, edit: None }
     }
 
+    /// This engine with other sizes.
+    pub fn retuned(&self, tuning: Tuning) -> Engine {
+        Engine { tuning, ..self.clone() }
+    }
+
     /// The engine with a kernel broken on purpose: how the tests are tested.
     #[doc(hidden)]
     pub fn with_edit(self, edit: codegen::Edit) -> Engine {

@@ -29,15 +29,14 @@ pub trait Traced: Backend {
 
 /// The first place where two backends differ.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error(
-    "{pass}, sweep {sweep}: element {index} is {left} on the {left_name} and {right} on the {right_name}"
-)]
+#[error("{pass}, sweep {sweep}: {place} is {left} on the {left_name} and {right} on the {right_name}")]
 pub struct Difference {
     /// The pass that wrote it.
     pub pass: &'static str,
     /// Sweeps before it, over all chunks and steps.
     pub sweep: usize,
-    pub index: usize,
+    /// The module of the chunk, and what of it, as a noun phrase.
+    pub place: String,
     pub left: String,
     pub right: String,
     pub left_name: &'static str,
@@ -71,6 +70,8 @@ pub struct Pair<'a, L: Traced, R: Traced> {
     pub sweeps: usize,
     /// Elements (words of columns, records and nets) compared so far.
     pub elements: u64,
+    /// How far float parameters were apart at most, as a part of [`ROUNDING`].
+    pub rounding: f32,
 }
 
 type ChunksOf<L, R> = (<L as Backend>::Chunk, <R as Backend>::Chunk);
@@ -81,7 +82,7 @@ impl<'a, L: Traced, R: Traced> Pair<'a, L, R> {
     pub fn new(plan: &'a Plan, mut left: L, mut right: R, names: [&'static str; 2]) -> Self {
         left.set_traced();
         right.set_traced();
-        Pair { plan, left, right, names, sweeps: 0, elements: 0 }
+        Pair { plan, left, right, names, sweeps: 0, elements: 0, rounding: 0.0 }
     }
 
     fn same<T: PartialEq + Copy>(
@@ -89,6 +90,7 @@ impl<'a, L: Traced, R: Traced> Pair<'a, L, R> {
         pass: &'static str,
         left: &[T],
         right: &[T],
+        place: impl Fn(usize) -> String,
         show: impl Fn(T) -> String,
     ) -> Result<(), ErrorOf<L, R>> {
         self.elements += left.len() as u64;
@@ -102,7 +104,7 @@ impl<'a, L: Traced, R: Traced> Pair<'a, L, R> {
         Err(PairError::Difference(Difference {
             pass,
             sweep: self.sweeps,
-            index,
+            place: place(index),
             left: text(left),
             right: text(right),
             left_name: self.names[0],
@@ -119,20 +121,30 @@ impl<'a, L: Traced, R: Traced> Pair<'a, L, R> {
         let (left_records, left_nets) = self.left.read(left).map_err(PairError::Left)?;
         let (right_records, right_nets) = self.right.read(right).map_err(PairError::Right)?;
         let right_records = self.within_rounding(&left_records, right_records);
-        self.same(pass, &left_records, &right_records, |w| format!("{w:#x}"))?;
+        let plan = self.plan;
+        let place = |at| place_in_records(plan, &left_records, at);
+        self.same(pass, &left_records, &right_records, place, |w| format!("{w:#x}"))?;
         let bits = |nets: &[[f32; 4]]| -> Vec<u32> { nets.iter().flatten().map(|x| x.to_bits()).collect() };
-        self.same(pass, &bits(&left_nets), &bits(&right_nets), |w| format!("{:?}", f32::from_bits(w)))
+        let points = plan.tables.layout.net_points();
+        let place = |at| {
+            let (point, component) = (at / 4, ["xw", "yw", "zw", "w"][at % 4]);
+            format!("{component} of point {} of module {}", point % points, point / points)
+        };
+        self.same(pass, &bits(&left_nets), &bits(&right_nets), place, |w| format!("{:?}", f32::from_bits(w)))
     }
 
     /// The right records with the left's floats where these are near enough.
-    fn within_rounding(&self, left: &[u32], mut right: Vec<u32>) -> Vec<u32> {
+    fn within_rounding(&mut self, left: &[u32], mut right: Vec<u32>) -> Vec<u32> {
         let words = self.plan.tables.layout.record_words;
         for (left, right) in left.chunks_exact(words).zip(right.chunks_exact_mut(words)) {
             let symbol = Header::read(left).symbol as usize;
             for at in self.plan.tables.symbols.get(symbol).iter().flat_map(|s| s.float_words()) {
                 let (a, b) = (f32::from_bits(left[at]), f32::from_bits(right[at]));
-                let near = (a - b).abs() <= ROUNDING * a.abs().max(b.abs());
-                if near || a.is_nan() && b.is_nan() {
+                let (apart, allowed) = ((a - b).abs(), ROUNDING * a.abs().max(b.abs()));
+                if apart > 0.0 && apart <= allowed {
+                    self.rounding = self.rounding.max(apart / allowed);
+                }
+                if apart <= allowed || a.is_nan() && b.is_nan() {
                     right[at] = left[at];
                 }
             }
@@ -142,10 +154,12 @@ impl<'a, L: Traced, R: Traced> Pair<'a, L, R> {
 
     fn same_trace(&mut self) -> Result<(), ErrorOf<L, R>> {
         let (left, right) = (self.left.trace().clone(), self.right.trace().clone());
-        self.same("match_modules", &left.rules, &right.rules, |w| w.to_string())?;
-        self.same("count", &left.counts, &right.counts, |w| w.to_string())?;
-        self.same("scan", &left.offsets, &right.offsets, |w| w.to_string())?;
-        self.same("compact", &left.retired, &right.retired, |w| w.to_string())
+        let of_module = |what: &'static str| move |i| format!("the {what} of module {i}");
+        let number = |w: u32| w.to_string();
+        self.same("match_modules", &left.rules, &right.rules, of_module("rule"), number)?;
+        self.same("count", &left.counts, &right.counts, of_module("count"), number)?;
+        self.same("scan", &left.offsets, &right.offsets, of_module("offset"), number)?;
+        self.same("compact", &left.retired, &right.retired, |i| format!("retired module {i}"), number)
     }
 }
 
@@ -202,13 +216,14 @@ impl<L: Traced, R: Traced> Backend for Pair<'_, L, R> {
                 Outcome::Done { next: a, retired: b, fired: c },
                 Outcome::Done { next: d, retired: e, fired: f },
             ) => {
-                self.same("match_modules", &[c], &[f], |fired| format!("fired = {fired}"))?;
+                self.same("match_modules", &[c], &[f], whole, |fired| format!("fired = {fired}"))?;
                 let symbols = |s: Option<u32>| s.map_or("nothing".to_string(), |s| format!("symbols {s:#x}"));
                 let retired = |r: Option<u32>| [r];
                 self.same(
                     "retire",
                     &retired(b.as_ref().map(|b| b.1)),
                     &retired(e.as_ref().map(|e| e.1)),
+                    whole,
                     symbols,
                 )?;
                 let next = self.both("emit", a, d)?;
@@ -217,18 +232,44 @@ impl<L: Traced, R: Traced> Backend for Pair<'_, L, R> {
                 Outcome::Done { next, retired, fired: c }
             }
             (Outcome::NoRoom { needed, modules }, Outcome::NoRoom { needed: other, .. }) => {
-                self.same("scan", &[needed], &[other], |n| format!("{n} bytes"))?;
+                self.same("scan", &[needed], &[other], whole, |n| format!("{n} bytes"))?;
                 Outcome::NoRoom { needed, modules }
             }
             (Outcome::TooDeep, Outcome::TooDeep) => Outcome::TooDeep,
             (left, right) => {
                 let name = |n: usize| ["done", "out of room", "too deep"][n];
-                self.same("emit", &[kind(&left)], &[kind(&right)], |n| name(n).to_string())?;
+                self.same("emit", &[kind(&left)], &[kind(&right)], whole, |n| name(n).to_string())?;
                 return Ok(Outcome::TooDeep);
             }
         };
         self.sweeps += 1;
         Ok(outcome)
+    }
+}
+
+/// The place of what is said of all modules at once.
+fn whole(_: usize) -> String {
+    "the chunk".to_string()
+}
+
+/// The module, and the field of its record, that a word belongs to.
+fn place_in_records(plan: &Plan, records: &[u32], at: usize) -> String {
+    let words = plan.tables.layout.record_words;
+    let (module, word) = (at / words, at % words);
+    let header =
+        ["symbol and halvings", "root", "high word of the key", "low word of the key", "row", "column"];
+    let Some(record) = records.get(module * words..(module + 1) * words) else {
+        return format!("word {word} of module {module}");
+    };
+    let symbol = plan.tables.symbols.get(Header::read(record).symbol as usize);
+    let field = symbol.and_then(|s| {
+        let mut fields = s.fields.iter().zip(&s.words);
+        fields.find(|(f, first)| (**first..**first + f.ty.words()).contains(&word))
+    });
+    match (header.get(word), field) {
+        (Some(name), _) => format!("{name} of module {module}"),
+        (None, Some((field, _))) => format!("parameter {} of module {module}", field.name),
+        (None, None) => format!("word {word} of module {module}"),
     }
 }
 
@@ -250,7 +291,7 @@ impl<L: Traced, R: Traced> Pair<'_, L, R> {
     ) -> Result<Option<ChunksOf<L, R>>, ErrorOf<L, R>> {
         let lengths =
             (left.as_ref().map_or(0, |c| self.left.len(c)), right.as_ref().map_or(0, |c| self.right.len(c)));
-        self.same(pass, &[lengths.0], &[lengths.1], |n| format!("{n} modules"))?;
+        self.same(pass, &[lengths.0], &[lengths.1], whole, |n| format!("{n} modules"))?;
         match (left, right) {
             (Some(l), Some(r)) => {
                 self.same_chunk(pass, &l, &r)?;
