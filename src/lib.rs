@@ -64,7 +64,7 @@
 //! in memory is told in [`plan::layout`]; the order of the word is in the records' keys, not in the order of
 //! the chunks. CPU and GPU give the same word (nets and integers bit for bit on every device tried so
 //! far, float parameters within rounding), and
-//! `burgeon compare` checks it for your file on yours.
+//! `burgeon compare` checks it for your file on yours; `burgeon selftest` runs the whole conformance suite.
 //!
 //! # Where to look next
 //!
@@ -74,6 +74,8 @@
 //! - [`patch`]: nets, words, evaluation of points and normals; [`tessellate`]: leaves to triangles.
 //! - [`io`]: `.bpt`, `.json`, `.obj`, `.png`.
 //! - [`plan::layout`], then [`plan::step`]: how a step works; both backends walk the same list of passes.
+//! - `conformance` (with the feature `gpu`): the suite that holds a device against the CPU, for the
+//!   command and for programs that embed the engine.
 //! - The folder `examples/` has rule files to begin with; `burgeon run FILE.burgeon --out picture.png`
 //!   draws one.
 //!
@@ -81,7 +83,7 @@
 //!
 //! | feature | in the default | what it brings |
 //! |---|---|---|
-//! | `gpu` | yes | `gpu` (the engine) and `render` (pictures). Without it the crate holds no wgpu |
+//! | `gpu` | yes | `gpu` (the engine), `render` (pictures) and `conformance`. Without it the crate holds no wgpu |
 //! | `cli` | yes | the command `burgeon` |
 //!
 //! A library takes `default-features = false, features = ["gpu"]`. `burgeon::wgpu` is the

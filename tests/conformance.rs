@@ -4,7 +4,7 @@
 use crate::device;
 use crate::limits::lattice;
 use crate::oracle::{self, Tolerance};
-use burgeon::codegen::Edit;
+use burgeon::codegen::{Edit, GENERATED as GENERATED_CODE};
 use burgeon::conformance::systems::{GENERATED, Nets, Subject};
 use burgeon::conformance::{self, Case, Outcome, Row, Verdict, operations, random, verdict};
 use burgeon::cpu;
@@ -77,7 +77,7 @@ fn broken(case: &str, file: &'static str, find: &'static str, replace: &'static 
     let engine = engine.with_edit(Edit { file, find, replace });
     let case = conformance::cases().into_iter().find(|c| c.name == case).expect("a case");
     let row = case.run(&engine, None);
-    assert_eq!(verdict(std::slice::from_ref(&row)), Verdict::Differ, "{row:?}");
+    assert_eq!(verdict(std::slice::from_ref(&row)), Verdict::Differ, "{file}: `{find}`: {row:?}");
     match row.outcome {
         Outcome::Differs(what) => what,
         other => panic!("{other}"),
@@ -93,10 +93,10 @@ fn a_broken_kernel_is_seen_where_it_is() {
         ("every", "match_modules", "if rule < KEEP", "if rule <= KEEP", "match_modules, "),
         ("every", "count", "& 7u", "& 3u", "count, "),
         ("every", "halving", "(p1 + p2) * 0.5", "(p1 + p2) * 0.25", "emit, "),
-        ("every", "retire", "p + 1u", "p + 2u", "retire, "),
-        ("every", "scan", "offsets[start + k] = base + before[k]", "offsets[start + k] = base", "scan, "),
+        ("every", "retire", "nets[i * POINTS + p]", "nets[k * POINTS + p]", "retire, "),
+        ("every", "scan", "offsets[k] = base + before[k - start]", "offsets[k] = base + before[0]", "scan, "),
         ("scan, compact: 16 × 64", "compact", "hit << (k & 31u)", "hit << (k & 15u)", "compact of "),
-        ("operations on float", "generated", "trunc(", "floor(", "emit, trunc(x: float)"),
+        ("operations on float", GENERATED_CODE, "trunc(", "floor(", "emit, float % float"),
         ("operations on int and bool", "ops", "return 0i;", "return 1i;", "emit, int % int"),
         ("elementary functions", "elementary", "0.16666655", "0.1666", "emit: sin("),
         ("random numbers", "elementary", "h >> 13u", "h >> 14u", "emit: number 0 of module 0 is frozen"),

@@ -190,8 +190,10 @@ fn shoulder(c: vec3f) -> vec3f {
 fn surface_fragment(in: Surface, @builtin(front_facing) front: bool) -> @location(0) vec4f {
     let v = select(vec3f(0.0, 0.0, 1.0), normalize(-in.place), view.sky.w == 1.0);
     // A vertex without a normal is shaded as if it faced the viewer.
-    let known = dot(in.normal, in.normal) > 1e-12;
-    var n = select(v, normalize(in.normal) * select(-1.0, 1.0, front), known);
+    // Nothing here may be no number: what comparisons make of that differs from driver to driver.
+    let squared = dot(in.normal, in.normal);
+    let unit = in.normal * inverseSqrt(max(squared, 1e-12));
+    var n = select(v, unit * select(-1.0, 1.0, front), squared > 1e-12);
     // At a silhouette the smooth normal may lean away from the viewer: bend it back to the edge.
     n = normalize(n - min(dot(n, v), 0.0) * v);
 
@@ -204,7 +206,8 @@ fn surface_fragment(in: Surface, @builtin(front_facing) front: bool) -> @locatio
     light += vec3f(0.13, 0.155, 0.20) * lambert(n, FILL);
     light += vec3f(0.34, 0.35, 0.38) * lambert(n, RIM);
 
-    let edge = pow(1.0 - max(dot(n, v), 0.0), 5.0);
+    // Rounding takes dot beyond 1, and of what is below 0 there is no power.
+    let edge = pow(1.0 - clamp(dot(n, v), 0.0, 1.0), 5.0);
     var color = albedo * light;
     color += (vec3f(0.06) * gloss(n, v, 12.0) + vec3f(0.40) * gloss(n, v, 110.0)) * smoothstep(0.0, 0.15, direct);
     color += 0.35 * edge * around;

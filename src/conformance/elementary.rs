@@ -39,11 +39,14 @@ impl Function {
     }
 }
 
+/// On the CPU, and in truth.
+type Definitions = (fn(f32) -> f32, fn(f64) -> f64);
+
 /// Functions whose bound is stated; the others are made of these.
 pub const FUNCTIONS: [Function; 10] = {
     const fn function(
         name: &'static str,
-        (cpu, exact): (fn(f32) -> f32, fn(f64) -> f64),
+        (cpu, exact): Definitions,
         [low, high]: [f32; 2],
         floor: f64,
         [ulps, device]: [f64; 2],

@@ -53,7 +53,7 @@ pub enum PairError<L, R> {
     #[error(transparent)]
     Right(R),
     #[error(transparent)]
-    Difference(Difference),
+    Difference(Box<Difference>),
 }
 
 /// How far float parameters may be apart, relative to the greater: compilers of shaders may factor
@@ -101,7 +101,7 @@ impl<'a, L: Traced, R: Traced> Pair<'a, L, R> {
             Some(index) => index,
         };
         let text = |column: &[T]| column.get(index).map_or("missing".to_string(), |v| show(*v));
-        Err(PairError::Difference(Difference {
+        Err(PairError::Difference(Box::new(Difference {
             pass,
             sweep: self.sweeps,
             place: place(index),
@@ -109,7 +109,7 @@ impl<'a, L: Traced, R: Traced> Pair<'a, L, R> {
             right: text(right),
             left_name: self.names[0],
             right_name: self.names[1],
-        }))
+        })))
     }
 
     fn same_chunk(

@@ -42,7 +42,8 @@ pub(super) fn batches(
             if *place.get(vertex).ok_or(Error::Index { index, vertices: mesh.positions.len() })? == NOWHERE {
                 place[vertex] = batch.vertices.len() as u32;
                 used.push(vertex);
-                let ([x, y, z], [a, b, c]) = (unit.apply(mesh.positions[vertex]), mesh.normals[vertex]);
+                let ([x, y, z], [a, b, c]) =
+                    (unit.apply(mesh.positions[vertex]), normal(mesh.normals[vertex]));
                 let [red, green, blue] = color(vertex);
                 batch.vertices.push([x, y, z, a, b, c, red, green, blue]);
             }
@@ -66,6 +67,11 @@ pub(super) fn lines(mesh: &Mesh, unit: &Unit, edges: &[[u32; 2]]) -> Result<Vec<
         Ok([a, b, c, x, y, z])
     };
     edges.iter().map(line).collect()
+}
+
+/// The normal, or none: shaders may do anything with what is no number.
+fn normal(n: [f32; 3]) -> [f32; 3] {
+    if n.iter().all(|x| x.is_finite()) { n } else { [0.0; 3] }
 }
 
 #[cfg(test)]

@@ -63,6 +63,7 @@ fn an_adapter_that_does_not_exist() {
         &["run", "quarters.burgeon", "--out", "a.json", "--backend", "gpu"],
         &["run", "quarters.burgeon", "--out", "a.png", "--backend", "cpu"],
         &["compare", "quarters.burgeon"],
+        &["selftest"],
     ] {
         let ran = folder.run_in_vain(&[args, &adapter].concat());
         ran.fails(3, &["no adapter's name holds `no such adapter`", "there are: "]);

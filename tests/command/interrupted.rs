@@ -29,6 +29,22 @@ fn during_the_derivation() {
     assert!(before == folder.files());
 }
 
+/// Rows that were printed stay; the case that runs ends early.
+#[cfg(feature = "gpu")]
+#[test]
+fn during_the_selftest() {
+    let Some(adapter) = gpu() else { return };
+    let folder = Folder::new();
+    let adapter = adapter.iter().map(String::as_str);
+    let child = start(&folder, &["selftest"].into_iter().chain(adapter).collect::<Vec<_>>());
+    std::thread::sleep(Duration::from_millis(1500));
+    interrupt(&child);
+    let ran = finished(child, "Ctrl-C in the selftest");
+    assert_eq!(ran.status, Some(130), "{ran:?}");
+    assert!(ran.stdout.starts_with("case  ") && ran.stdout.contains("  stopped\n"), "{ran:?}");
+    ran.says(&["stopped by Ctrl-C after"]);
+}
+
 #[test]
 fn while_a_file_is_written() {
     let folder = Folder::new();
