@@ -334,6 +334,7 @@ fn written(expr: &Expr) -> String {
         ExprKind::Vector(args) => format!("({})", all(args)),
         ExprKind::Element(_, index) => format!("list[{}]", written(index)),
         ExprKind::Random { function, args, .. } => format!("{function}({})", all(args)),
+        ExprKind::OfRoot(q) => format!("r{q}"),
         ExprKind::Sample(i, point) => format!("q{i}({})", written(point)),
     }
 }

@@ -11,7 +11,7 @@ use burgeon::gpu::{self, Engine, Gpu, Measure, Scans};
 use burgeon::patch::Word;
 use burgeon::plan::derive::{Backend, Derivation, Outcome, StageId, bounds, collect, derive};
 use burgeon::plan::step::Clock;
-use burgeon::plan::{self, Options, Plan, schedule};
+use burgeon::plan::{self, Given, Options, Plan, schedule};
 use std::cell::Cell;
 use std::fmt::Debug;
 
@@ -487,6 +487,9 @@ impl<B: Backend> Backend for Small<B> {
     type Chunk = B::Chunk;
     type Error = B::Error;
 
+    fn bind(&mut self, given: &Given) -> Result<(), B::Error> {
+        self.inner.bind(given)
+    }
     fn upload(&mut self, records: Vec<u32>, nets: Vec<[f32; 4]>) -> Result<B::Chunk, B::Error> {
         self.inner.upload(records, nets)
     }

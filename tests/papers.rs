@@ -96,18 +96,14 @@ pub const DERIVED: &[fn(&Backend)] = &[
     k17_roots_are_independent,
     e2_a_split_has_49_points,
     e7_e8_one_alphabet_for_both_systems_fails,
-];
-
-/// Those that need other degrees, queries, floats or rational nets.
-const LATER: &[fn(&Backend)] = &[
-    k2_any_degree,
     k7_only_what_is_near_is_refined,
     k8_bend_chooses_the_direction,
     k9_flat_areas_are_not_refined,
-    k10_rational_surfaces,
-    k11_the_cylinder_is_round,
     e3_without_a_level_bound_refinement_goes_on,
 ];
+
+/// Those that need other degrees or rational nets.
+const LATER: &[fn(&Backend)] = &[k2_any_degree, k10_rational_surfaces, k11_the_cylinder_is_round];
 
 // --- inputs ------------------------------------------------------------------------------------
 

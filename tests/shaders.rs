@@ -183,6 +183,7 @@ fn expected(column: Column) -> (&'static str, &'static str) {
         Column::Records => ("records", "array<vec4<u32>>"),
         Column::Nets => ("nets", "array<vec4<f32>>"),
         Column::Rules => ("rules", "array<u32>"),
+        Column::Attributes => ("attributes", "array<u32>"),
         Column::Counts => ("counts", "array<u32>"),
         Column::Offsets => ("offsets", "array<u32>"),
         Column::NextRecords => ("next_records", "array<vec4<u32>>"),

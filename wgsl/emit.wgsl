@@ -14,6 +14,7 @@ import rules;
 import address;
 import children;
 import halving;
+import attributes;
 import ops;
 
 @group(0) @binding(0) var<uniform> extent: Extent;
@@ -22,9 +23,10 @@ import ops;
 @group(0) @binding(3) var<storage, read> nets: array<vec4f>;
 @group(0) @binding(4) var<storage, read> rules: array<u32>;
 @group(0) @binding(5) var<storage, read> offsets: array<u32>;
-@group(0) @binding(6) var<storage, read_write> next_records: array<vec4u>;
-@group(0) @binding(7) var<storage, read_write> next_nets: array<vec4f>;
-@group(0) @binding(8) var<storage, read_write> status: Status;
+@group(0) @binding(6) var<storage, read> attributes: array<u32>;
+@group(0) @binding(7) var<storage, read_write> next_records: array<vec4u>;
+@group(0) @binding(8) var<storage, read_write> next_nets: array<vec4f>;
+@group(0) @binding(9) var<storage, read_write> status: Status;
 
 fn write_four(at: u32, p0: vec4f, p1: vec4f, p2: vec4f, p3: vec4f) {
   next_nets[at] = p0;

@@ -12,6 +12,7 @@ import rules;
 import address;
 import children;
 import halving;
+import attributes;
 import ops;
 
 @group(0) @binding(0) var<uniform> extent: Extent;
@@ -20,9 +21,10 @@ import ops;
 @group(0) @binding(3) var<storage, read> nets: array<vec4f>;
 @group(0) @binding(4) var<storage, read> rules: array<u32>;
 @group(0) @binding(5) var<storage, read> offsets: array<u32>;
-@group(0) @binding(6) var<storage, read_write> next_records: array<vec4u>;
-@group(0) @binding(7) var<storage, read_write> next_nets: array<vec4f>;
-@group(0) @binding(8) var<storage, read_write> status: Status;
+@group(0) @binding(6) var<storage, read> attributes: array<u32>;
+@group(0) @binding(7) var<storage, read_write> next_records: array<vec4u>;
+@group(0) @binding(8) var<storage, read_write> next_nets: array<vec4f>;
+@group(0) @binding(9) var<storage, read_write> status: Status;
 
 // The nets as they are read, and after u was halved: the first halves, then the second.
 var<workgroup> points: array<vec4f, WORKGROUP>;

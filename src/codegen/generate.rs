@@ -30,10 +30,11 @@ pub fn record(layout: &Layout, writes: bool) -> Text {
     let quads = layout.record_words / 4;
     let list = |f: &dyn Fn(usize) -> String| (0..quads).map(f).collect::<Vec<_>>().join(", ");
     let mut text = Text::default();
-    text.line(format!("struct Record {{ {} }}", list(&|q| format!("q{q}: vec4u"))));
+    // With the number of the module in the chunk, by which its attributes are found.
+    text.line(format!("struct Record {{ {}, index: u32 }}", list(&|q| format!("q{q}: vec4u"))));
     text.line("fn read_record(i: u32) -> Record {");
     text.line("  let b = i * QUADS;");
-    text.line(format!("  return Record({});", list(&|q| format!("records[b + {q}u]"))));
+    text.line(format!("  return Record({}, i);", list(&|q| format!("records[b + {q}u]"))));
     text.line("}");
     if writes {
         text.line("fn write_record(at: u32, r: Record) {");
@@ -174,7 +175,12 @@ impl<'a> Values<'a> {
         let mut values = Values { graph, texts: Vec::with_capacity(graph.nodes.len()) };
         for (id, node) in graph.nodes.iter().enumerate() {
             let mut value = if uses[id] == 0 { String::new() } else { values.node(node) };
-            if uses[id] > 1 && matches!(node, Node::Call(..) | Node::Element { .. }) {
+            if uses[id] > 1
+                && matches!(
+                    node,
+                    Node::Call(..) | Node::Element { .. } | Node::Measured(..) | Node::Given(..)
+                )
+            {
                 // Not written twice: a chain of sharing nodes would double at each.
                 let name = format!("v{}_{id}", text.lines.len());
                 text.of_rule(format!("{indent}let {name} = {value};"), span);
@@ -203,6 +209,8 @@ impl<'a> Values<'a> {
             Node::Held(word) => literal(Scalar::Float, word),
             Node::Field(ty, at) => from_word(ty, &lane(at)),
             Node::Uniform(ty, at) => from_word(ty, &format!("uniform_word({at}u)")),
+            Node::Measured(ty, at) => from_word(ty, &format!("measured_word(m, {at}u)")),
+            Node::Given(ty, index) => from_word(ty, &format!("given_word({})", self.texts[index])),
             Node::Step => "i32(extent.step)".to_string(),
             Node::RunStep => "bitcast<i32>(extent.run_step)".to_string(),
             Node::Seed => "bitcast<i32>(extent.seed)".to_string(),

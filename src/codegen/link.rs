@@ -10,6 +10,7 @@ use std::borrow::Cow;
 /// Every file of `wgsl/`.
 const FILES: &[(&str, &str)] = &[
     ("address", include_str!("../../wgsl/shared/address.wgsl")),
+    ("attributes", include_str!("../../wgsl/shared/attributes.wgsl")),
     ("children", include_str!("../../wgsl/shared/children.wgsl")),
     ("elementary", include_str!("../../wgsl/shared/elementary.wgsl")),
     ("extent", include_str!("../../wgsl/shared/extent.wgsl")),
@@ -25,6 +26,7 @@ const FILES: &[(&str, &str)] = &[
     ("emit_by_point", include_str!("../../wgsl/emit_by_point.wgsl")),
     ("expand", include_str!("../../wgsl/expand.wgsl")),
     ("match_modules", include_str!("../../wgsl/match_modules.wgsl")),
+    ("measure", include_str!("../../wgsl/measure.wgsl")),
     ("retire", include_str!("../../wgsl/retire.wgsl")),
     ("scan", include_str!("../../wgsl/scan.wgsl")),
 ];

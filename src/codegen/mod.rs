@@ -13,6 +13,7 @@ use crate::language::Span;
 use crate::plan::Plan;
 use crate::plan::derive::StageId;
 use crate::plan::layout::Layout;
+use crate::plan::measure::MEASURES;
 use crate::plan::tables::{Production, Stage};
 
 /// How `emit` is laid out over invocations; the bits that come out are the same.
@@ -91,6 +92,8 @@ pub struct Error {
 
 /// The kernels of a stage that depend on its rules.
 pub struct StageShaders {
+    /// Where the rules read attributes of nets.
+    pub measure: Option<Shader>,
     pub match_modules: Shader,
     pub count: Shader,
     pub emit: Shader,
@@ -118,7 +121,15 @@ pub fn stage_edited(
     let mut emit_parts = generate::record(&layout, true);
     emit_parts.append(matching);
     emit_parts.append(generate::successors(stage));
+    let measure = match stage.row.words {
+        0 => None,
+        _ => {
+            let constants = format!("{constants}{}", measure_constants(plan, stage));
+            Some(build("measure", &constants, generate::record(&layout, false), edit)?)
+        }
+    };
     Ok(StageShaders {
+        measure,
         match_modules: build("match_modules", &constants, match_parts, edit)?,
         count: build("count", &constants, generate::Text::default(), edit)?,
         emit: build(tuning.mapping.kernel(), &constants, emit_parts, edit)?,
@@ -171,13 +182,30 @@ fn stage_constants(plan: &Plan, stage: &Stage, tuning: &Tuning) -> String {
     let words = (table + stage.productions.len() + 2).next_multiple_of(4);
     format!(
         "{}const ENVIRONMENT_QUADS = {}u;\nconst RULE_TABLE = {table}u;\nconst KEEP = {}u;\n\
-         const CLOSED = {}u;\nconst ONLY_RULE_WORD = {}u;\n",
+         const CLOSED = {}u;\nconst ONLY_RULE_WORD = {}u;\nconst MEASURED = {}u;\n",
         layout_constants(&plan.tables.layout, tuning),
         words / 4,
         stage.keep(),
         stage.closed.unwrap_or(0),
         only_rule_word(stage),
+        stage.row.words,
     )
+}
+
+fn measure_constants(plan: &Plan, stage: &Stage) -> String {
+    let [rows, columns] = plan.tables.layout.degree.map(|d| d + 1);
+    let mut text = format!(
+        "const ROWS = {rows}u;\nconst COLUMNS = {columns}u;\nconst RATIONAL = {};\n\
+         const READS_NETS = {};\nconst VIEW = {}u;\n",
+        plan.rational(),
+        stage.row.reads_nets(),
+        plan.tables.given.view()
+    );
+    for (place, measure) in stage.row.places.iter().zip(MEASURES) {
+        let place = place.map_or("NOWHERE".to_string(), |at| format!("{at}u"));
+        text.push_str(&format!("const {} = {place};\n", measure.place));
+    }
+    text
 }
 
 /// The word of all rules that can fire, where it is one; 0 where it is not.

@@ -48,6 +48,12 @@ pub struct Derive {
     /// Set a param of the system, as in levels=4; may be given several times
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
     pub set: Vec<(String, Value)>,
+    /// Bind values to a query without `=`, from a .csv (one for each patch) or a .json grid, as in
+    /// heat=heat.csv; may be given several times
+    #[arg(long, value_name = "QUERY=FILE", value_parser = binding)]
+    pub bind: Vec<(String, PathBuf)>,
+    #[command(flatten)]
+    pub view: View,
     /// What random numbers begin with; the param `seed` if left out, else 0
     #[arg(long, value_name = "N")]
     pub seed: Option<u32>,
@@ -61,6 +67,23 @@ pub struct Derive {
     /// the machine's memory]
     #[arg(long, value_name = "BYTES", allow_negative_numbers = true, value_parser = bytes)]
     pub max_memory: Option<u64>,
+}
+
+/// What `bbox_px` and `area_px` are seen through.
+#[derive(Args)]
+pub struct View {
+    /// Where the viewer stands, for rules that read bbox_px or area_px
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = point)]
+    pub eye: Option<[f32; 3]>,
+    /// What the viewer looks at; the middle of the axiom if left out
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, requires = "eye", value_parser = point)]
+    pub look_at: Option<[f32; 3]>,
+    /// The viewer's vertical angle of view, in degrees
+    #[arg(long, value_name = "DEGREES", default_value_t = 40.0, requires = "eye", value_parser = angle)]
+    pub angle: f32,
+    /// Width and height of the viewer's screen
+    #[arg(long, value_name = "WxH", default_value = "1280x720", requires = "eye", value_parser = pixels)]
+    pub pixels: [f32; 2],
 }
 
 /// A rule file, and which of its systems.
@@ -172,6 +195,38 @@ fn number(text: &str) -> Result<Value, String> {
         [x, y, z] => Ok(Value::Vec3([x, y, z])),
         [x, y, z, w] => Ok(Value::Vec4([x, y, z, w])),
         _ => Err(format!("`{text}` has {} components; a vector has 2 to 4", parts.len())),
+    }
+}
+
+/// `QUERY=FILE`.
+fn binding(text: &str) -> Result<(String, PathBuf), String> {
+    match text.split_once('=') {
+        Some((name, file)) if !name.trim().is_empty() && !file.is_empty() => {
+            Ok((name.trim().to_string(), PathBuf::from(file)))
+        }
+        _ => Err("write QUERY=FILE, as in heat=heat.csv".to_string()),
+    }
+}
+
+fn point(text: &str) -> Result<[f32; 3], String> {
+    match number(text)? {
+        Value::Vec3(point) => Ok(point),
+        _ => Err(format!("`{text}` is no point; write three numbers, as in 0,1.5,4")),
+    }
+}
+
+fn angle(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(x) if x > 0.0 && x < 180.0 => Ok(x),
+        _ => Err("the angle lies between 0 and 180 degrees".to_string()),
+    }
+}
+
+fn pixels(text: &str) -> Result<[f32; 2], String> {
+    let side = |t: &str| t.parse::<u32>().ok().filter(|n| (1..=1 << 16).contains(n));
+    match text.split_once('x').map(|(w, h)| (side(w), side(h))) {
+        Some((Some(w), Some(h))) => Ok([w as f32, h as f32]),
+        _ => Err(format!("`{text}` is no size of a screen; write 1280x720")),
     }
 }
 

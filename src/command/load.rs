@@ -1,14 +1,15 @@
 //! From the flags to a plan and its axiom.
 
 use super::{Failure, colored, counted, flags, say};
-use burgeon::io::bpt;
+use burgeon::io::{bpt, values};
 use burgeon::language::check::{Checked, compile};
 use burgeon::language::diagnostic::{self, nearest};
+use burgeon::language::expr::Type;
 use burgeon::language::system::{Axiom, Kind, PatchSource, System, UniformKind};
 use burgeon::language::vocabulary::Vocabulary;
 use burgeon::language::{Diagnostic, Severity, Span, Value, lex, parse, syntax};
 use burgeon::patch;
-use burgeon::plan::{self, Plan, Unsupported, schedule};
+use burgeon::plan::{self, Given, Plan, Unsupported, View, schedule};
 use indicatif::HumanBytes;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -144,6 +145,8 @@ pub struct Job {
     pub axiom: patch::Axiom,
     pub set: Vec<(String, Value)>,
     pub uniforms: Vec<Value>,
+    pub bind: Vec<(String, patch::Values)>,
+    pub view: Option<View>,
     source: Source,
 }
 
@@ -158,7 +161,10 @@ pub fn job(flags: &flags::Derive) -> Result<Job, Failure> {
     let uniforms = plan.uniforms(&set).map_err(|e| failure(&source, &plan, e))?;
     schedule::unroll(&plan, &uniforms).map_err(|e| failure(&source, &plan, e))?;
     let axiom = axiom(&source, system, flags.input.as_deref()).map_err(|e| e.failure(&source))?;
-    Ok(Job { plan, axiom, set, uniforms, source })
+    let bind = bind(&plan.system, &flags.bind)?;
+    let view = view(&flags.view, &axiom);
+    Given::new(&plan.system, axiom.roots.len(), &bind, view).map_err(|e| failure(&source, &plan, e))?;
+    Ok(Job { plan, axiom, set, uniforms, bind, view, source })
 }
 
 impl Job {
@@ -166,6 +172,30 @@ impl Job {
     pub fn failure(&self, e: plan::Error) -> Failure {
         failure(&self.source, &self.plan, e)
     }
+}
+
+/// The values that `--bind` names; a name that is none is left for the plan to refuse.
+fn bind(system: &System, given: &[(String, PathBuf)]) -> Result<Vec<(String, patch::Values)>, Failure> {
+    let mut bound = Vec::new();
+    for (name, path) in given {
+        let query = system.queries.iter().find(|q| q.name == *name);
+        let ty = query.map_or(Type::Float, |q| q.ty.clone());
+        let values = values::read(path, &ty).map_err(|e| Failure::File(format!("error: {e}")))?;
+        bound.push((name.clone(), values));
+    }
+    Ok(bound)
+}
+
+/// The view that the flags describe.
+fn view(flags: &flags::View, axiom: &patch::Axiom) -> Option<View> {
+    let eye = flags.eye?;
+    let points = axiom.roots.iter().flat_map(|root| &root.net.points);
+    let middle = || patch::Bounds::around(points.map(|p| [p[0] / p[3], p[1] / p[3], p[2] / p[3]]));
+    let at = flags.look_at.unwrap_or_else(|| middle().map_or([0.0; 3], |b| b.center()));
+    // Up is y, but for who looks along it.
+    let along_y = eye[0] == at[0] && eye[2] == at[2];
+    let up = if along_y { [0.0, 0.0, 1.0] } else { [0.0, 1.0, 0.0] };
+    Some(View::looking(eye, at, up, flags.angle, flags.pixels))
 }
 
 /// What of `--set` goes to the system: a param of the file that it does not read is left out.

@@ -38,6 +38,8 @@ pub fn run(flags: &flags::Run) -> Result<(), Failure> {
 pub fn options<'a>(flags: &flags::Derive, job: &Job, progress: &'a dyn Fn(Progress)) -> Options<'a> {
     Options {
         set: job.set.clone(),
+        bind: job.bind.clone(),
+        view: job.view,
         seed: flags.seed.unwrap_or_else(|| job.plan.seed(&job.set)),
         steps: flags.steps,
         max_bytes: flags.max_memory.unwrap_or_else(load::half_of_memory),
@@ -161,6 +163,12 @@ pub fn of_plan(e: plan::Error) -> Failure {
     let text = format!("error: {e}");
     match e {
         plan::Error::Set(_) => Failure::Usage(text),
+        plan::Error::Bind(_) => {
+            Failure::Usage(format!("{text}\nhelp: --bind QUERY=FILE binds a query's values"))
+        }
+        plan::Error::View { .. } => {
+            Failure::Usage(format!("{text}\nhelp: --eye X,Y,Z says where the viewer stands"))
+        }
         plan::Error::Memory { needed, modules, step, budget } => {
             let who = if step == 0 { "the axiom alone".to_string() } else { format!("step {step}") };
             let help = if step == 0 { "raise" } else { "derive fewer steps (--steps, --set) or raise" };

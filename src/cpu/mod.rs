@@ -9,6 +9,7 @@ pub mod count;
 pub mod emit;
 pub mod expand;
 pub mod match_modules;
+pub mod measure;
 pub mod program;
 pub mod retire;
 pub mod scan;
@@ -17,6 +18,7 @@ use crate::language::expr::Value;
 use crate::patch;
 use crate::plan::compare::{Trace, Traced, UNTRACED};
 use crate::plan::derive::{self, Backend, Modules, Options, Outcome, StageId};
+use crate::plan::given::Given;
 use crate::plan::layout::Layout;
 use crate::plan::step::{Clock, Status};
 use crate::plan::tables::Stage;
@@ -37,11 +39,14 @@ pub struct Chunk {
 pub struct Cpu<'a> {
     plan: &'a Plan,
     uniforms: Vec<Value>,
+    given: Given,
     environments: HashMap<StageId, Vec<u32>>,
     threads: rayon::ThreadPool,
     pool: Pool,
     trace: Option<Trace>,
     columns: Columns,
+    /// The column of the measured attributes.
+    attributes: Vec<u32>,
 }
 
 /// Columns that live for one sweep, kept for the next.
@@ -66,11 +71,13 @@ impl<'a> Cpu<'a> {
         Ok(Cpu {
             plan,
             uniforms: uniforms.to_vec(),
+            given: Given::default(),
             environments: HashMap::new(),
             threads,
             pool: Pool { layout: plan.tables.layout, chunks: Vec::new() },
             trace: None,
             columns: Columns::default(),
+            attributes: Vec::new(),
         })
     }
 
@@ -79,19 +86,31 @@ impl<'a> Cpu<'a> {
         id: StageId,
         environment: &[u32],
         columns: &mut Columns,
+        attributes: &mut Vec<u32>,
         clock: Clock,
         chunk: &Chunk,
         room: u64,
     ) -> Outcome<Chunk> {
         let stage: &Stage = id.of(self.plan);
         let layout = self.plan.tables.layout;
-        let input = program::Input {
-            records: &chunk.records[..chunk.len * layout.record_words],
+        let n = chunk.len;
+        let nets = &chunk.nets[..n * layout.net_points()];
+        let mut input = program::Input {
+            records: &chunk.records[..n * layout.record_words],
             layout,
             environment,
+            given: &self.given.words,
+            measured: &[],
+            measured_words: stage.row.words,
             clock,
         };
-        let n = chunk.len;
+        if stage.row.words > 0 {
+            attributes.resize(n * stage.row.words, 0);
+            let view = self.plan.tables.given.view();
+            let rational = self.plan.rational();
+            self.threads.install(|| measure::measure(&stage.row, &input, nets, rational, view, attributes));
+        }
+        input.measured = attributes;
         let words = stage.rule_words();
         let (total, retired, status) = match stage.closed {
             Some(growth) => (n * growth as usize, 0, Status { fired: 1, ..Status::default() }),
@@ -106,7 +125,6 @@ impl<'a> Cpu<'a> {
         }
         let mut next = take_if(total, || self.pool.take(total));
         let mut finished = take_if(retired, || self.pool.take(retired));
-        let nets = &chunk.nets[..n * layout.net_points()];
         let fits = self.threads.install(|| {
             let fits = next.as_mut().is_none_or(|next| {
                 let out = emit::Output {
@@ -190,6 +208,12 @@ impl Backend for Cpu<'_> {
     type Chunk = Chunk;
     type Error = Error;
 
+    fn bind(&mut self, given: &Given) -> Result<(), Error> {
+        self.given = given.clone();
+        self.environments.clear();
+        Ok(())
+    }
+
     fn upload(&mut self, records: Vec<u32>, nets: Vec<[f32; 4]>) -> Result<Chunk, Error> {
         let len = records.len() / self.plan.tables.layout.record_words;
         Ok(Chunk { records, nets, len })
@@ -235,13 +259,16 @@ impl Backend for Cpu<'_> {
     fn step(&mut self, id: StageId, clock: Clock, chunk: &Chunk, room: u64) -> Result<Outcome<Chunk>, Error> {
         let environment = match self.environments.remove(&id) {
             Some(environment) => environment,
-            None => self.plan.environment(id.of(self.plan), &self.uniforms),
+            None => self.plan.environment(id.of(self.plan), &self.uniforms, &self.given),
         };
         let mut columns = std::mem::take(&mut self.columns);
+        let mut attributes = std::mem::take(&mut self.attributes);
         columns.clear();
-        let outcome = self.sweep(id, &environment, &mut columns, clock, chunk, room);
+        attributes.clear();
+        let outcome = self.sweep(id, &environment, &mut columns, &mut attributes, clock, chunk, room);
         if let Some(trace) = &mut self.trace {
             *trace = Trace {
+                attributes: attributes.clone(),
                 rules: columns.rules.clone(),
                 counts: columns.counts.clone(),
                 offsets: columns.offsets.clone(),
@@ -249,6 +276,7 @@ impl Backend for Cpu<'_> {
             };
         }
         self.columns = columns;
+        self.attributes = attributes;
         self.environments.insert(id, environment);
         Ok(outcome)
     }

@@ -13,8 +13,13 @@ use crate::plan::step::Clock;
 pub struct Input<'a> {
     pub records: &'a [u32],
     pub layout: Layout,
-    /// The stage's environment: uniforms, constants, rule table.
+    /// The stage's environment: uniforms, what the host gives, constants, rule table.
     pub environment: &'a [u32],
+    /// The values that the host gives.
+    pub given: &'a [u32],
+    /// The measured attributes, so many words a module.
+    pub measured: &'a [u32],
+    pub measured_words: usize,
     pub clock: Clock,
 }
 
@@ -24,7 +29,9 @@ impl<'a> Input<'a> {
         let words = self.layout.record_words;
         let start = block * BLOCK * words;
         let end = self.records.len().min(start + BLOCK * words);
-        Input { records: &self.records[start..end], ..*self }
+        let row = |module: usize| (module * self.measured_words).min(self.measured.len());
+        let measured = &self.measured[row(block * BLOCK)..row((block + 1) * BLOCK)];
+        Input { records: &self.records[start..end], measured, ..*self }
     }
     /// Modules.
     pub fn len(&self) -> usize {
@@ -69,6 +76,15 @@ pub fn run(graph: &Graph, block: &Input, registers: &mut Registers) {
             Node::Field(_, at) => {
                 let column = block.records.iter().skip(at).step_by(words);
                 out.iter_mut().zip(column).for_each(|(o, w)| *o = *w);
+            }
+            Node::Measured(_, at) => {
+                let column = block.measured.iter().skip(at).step_by(block.measured_words);
+                out.iter_mut().zip(column).for_each(|(o, w)| *o = *w);
+            }
+            Node::Given(_, index) => {
+                let last = block.given.len().saturating_sub(1);
+                let word = |i: u32| block.given.get((i as usize).min(last)).copied().unwrap_or(0);
+                out.iter_mut().zip(arg(index)).for_each(|(o, i)| *o = word(*i));
             }
             Node::Level => {
                 let heads = block.records.iter().step_by(words);

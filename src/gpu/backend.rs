@@ -12,6 +12,7 @@ use crate::patch;
 use crate::plan::Plan;
 use crate::plan::compare::{Trace, Traced, UNTRACED};
 use crate::plan::derive::{self, Backend, Modules, Options, Outcome, StageId};
+use crate::plan::given::Given;
 use crate::plan::layout::{Layout, MAX_HALVINGS};
 use crate::plan::step::{Clock, Extent, Status};
 use crate::plan::tables::Stage;
@@ -43,6 +44,9 @@ pub struct Gpu<'a> {
     engine: Engine,
     plan: &'a Plan,
     uniforms: Vec<Value>,
+    given: Given,
+    /// The values given, then the measured attributes of a chunk.
+    attributes: wgpu::Buffer,
     stages: HashMap<StageId, StageKernels>,
     shared: SharedKernels,
     pool: Pool,
@@ -110,6 +114,8 @@ impl<'a> Gpu<'a> {
                 shared: SharedKernels::new(engine, &plan.tables.layout)?,
                 plan,
                 uniforms: uniforms.to_vec(),
+                given: Given::default(),
+                attributes: buffers::storage(engine, "burgeon attributes", 16),
                 stages: HashMap::new(),
                 pool: Pool::default(),
                 extents,
@@ -135,7 +141,7 @@ impl<'a> Gpu<'a> {
         if self.stages.contains_key(&id) {
             return Ok(());
         }
-        let environment = self.plan.environment(id.of(self.plan), &self.uniforms);
+        let environment = self.plan.environment(id.of(self.plan), &self.uniforms, &self.given);
         let engine = self.engine.clone();
         let kernels = engine
             .checked("compiling kernels", || StageKernels::new(&engine, self.plan, id, &environment))?;
@@ -190,7 +196,44 @@ impl<'a> Gpu<'a> {
         self.engine.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(label) })
     }
 
-    /// match → count → scan, and compact; then the totals, read.
+    /// Makes room for the attributes that the stage reads of so many modules, behind what is given.
+    fn room_for_attributes(&mut self, stage: &Stage, n: u64) {
+        let given = self.given.words.len() as u64;
+        let bytes = (given + n * stage.row.words as u64) * 4;
+        if self.attributes.size() < bytes {
+            let bytes = bytes.next_multiple_of(1 << 16);
+            self.attributes = buffers::storage(&self.engine, "burgeon attributes", bytes);
+            self.write_given();
+        }
+    }
+
+    fn write_given(&self) {
+        self.engine.queue.write_buffer(&self.attributes, 0, bytemuck::cast_slice(&self.given.words));
+    }
+
+    /// The words given and the attributes of so many modules.
+    fn attributes(&self, stage: &Stage, n: u64) -> Binding<'_> {
+        let words = self.given.words.len() as u64 + n * stage.row.words as u64;
+        Binding::new(&self.attributes, words * 4)
+    }
+
+    /// The attributes that the rules read, into room that is there.
+    fn measure(&self, pass: &mut wgpu::ComputePass, id: StageId, chunk: &GpuChunk, slot: u64) {
+        let (stage, layout, n) = (id.of(self.plan), self.layout(), chunk.len as u64);
+        let kernels = &self.stages[&id];
+        let Some(kernel) = &kernels.measure else { return };
+        let bound = [
+            self.extent(slot),
+            Binding::new(&kernels.environment, kernels.environment.size()),
+            Binding::new(chunk.records(), n * layout.record_bytes()),
+            Binding::new(chunk.nets(), n * layout.net_bytes()),
+            self.attributes(stage, n),
+        ];
+        let group = kernel.bind(&self.engine, &bound);
+        kernel.record(pass, &group, &[kernels::groups(n, self.engine.tuning().workgroup)]);
+    }
+
+    /// measure → match → count → scan, and compact; then the totals, read.
     fn totals(
         &mut self,
         id: StageId,
@@ -200,7 +243,9 @@ impl<'a> Gpu<'a> {
     ) -> Result<Totals, Error> {
         let stage: &Stage = id.of(self.plan);
         let n = chunk.len as u64;
-        self.write_extent(0, Extent { count: n as u32, wanted: stage.retired(), clock, ..Extent::default() });
+        let given = self.given.words.len() as u32;
+        let wanted = stage.retired();
+        self.write_extent(0, Extent { count: n as u32, wanted, clock, given, ..Extent::default() });
         self.engine.queue.write_buffer(&self.status, 0, bytemuck::bytes_of(&Status::default()));
         let mut encoder = self.encoder("burgeon match, count, scan");
         let tuning = *self.engine.tuning();
@@ -211,14 +256,16 @@ impl<'a> Gpu<'a> {
                 timestamp_writes: None,
             });
             let one_each = [kernels::groups(n, tuning.workgroup)];
+            self.measure(&mut pass, id, chunk, 0);
             let kernels = &self.stages[&id];
             let environment = Binding::new(&kernels.environment, kernels.environment.size());
             let records = Binding::new(chunk.records(), n * self.layout().record_bytes());
             let rules = Binding::new(&columns.rules.buffer, n * 4);
             let counts = Binding::new(&columns.counts.buffer, n * 4);
             let sums = |b| Binding::new(b, (tiles + 1) * 4);
-            let bound =
-                [self.extent(0), environment, records, rules, Binding::new(&self.status, STATUS_BYTES)];
+            let status = Binding::new(&self.status, STATUS_BYTES);
+            let attributes = self.attributes(stage, n);
+            let bound = [self.extent(0), environment, records, attributes, rules, status];
             let group = kernels.match_modules.bind(&self.engine, &bound);
             kernels.match_modules.record(&mut pass, &group, &one_each);
             let group = kernels.count.bind(&self.engine, &[self.extent(0), environment, rules, counts]);
@@ -273,6 +320,7 @@ impl<'a> Gpu<'a> {
             count: count as u32,
             capacity: capacity as u32,
             clock,
+            given: self.given.words.len() as u32,
             ..Extent::default()
         };
         let mut encoder = self.encoder("burgeon emit, retire");
@@ -287,6 +335,10 @@ impl<'a> Gpu<'a> {
             let nets = |c: &'_ GpuChunk| c.len as u64 * layout.net_bytes();
             if let Some(Target { chunk: next, capacity, .. }) = next {
                 self.write_extent(1, extent(chunk.len, capacity));
+                let stage = id.of(self.plan);
+                if stage.closed.is_some() {
+                    self.measure(&mut pass, id, chunk, 1);
+                }
                 let bound = [
                     self.extent(1),
                     Binding::new(&kernels.environment, kernels.environment.size()),
@@ -294,6 +346,7 @@ impl<'a> Gpu<'a> {
                     Binding::new(chunk.nets(), nets(chunk)),
                     bound_column(&columns.rules, n * 4),
                     bound_column(&columns.offsets, n * 4 + 4),
+                    self.attributes(stage, n),
                     Binding::new(next.records(), records(next)),
                     Binding::new(next.nets(), nets(next)),
                     status,
@@ -359,6 +412,7 @@ impl<'a> Gpu<'a> {
         self.compile_stage(id)?;
         let engine = self.engine.clone();
         engine.checked("rewriting a chunk into buffers of the caller", || {
+            self.room_for_attributes(id.of(self.plan), chunk.len as u64);
             let columns = self.columns(chunk.len as u64);
             let totals = self.totals_or_closed(id, clock, chunk, &columns)?;
             let target = |(chunk, capacity): (_, usize), modules| {
@@ -408,6 +462,11 @@ impl<'a> Gpu<'a> {
         }
         let targets = [&next, &finished].map(|chunk| chunk.as_ref().map(Target::exact));
         self.write(id, clock, chunk, columns, targets[0], targets[1]);
+        // Where the growth is closed, it is the second submission that measures.
+        if stage.closed.is_some() && self.trace.is_some() {
+            let attributes = self.read_attributes(id, chunk.len as u64)?;
+            self.trace = Some(Trace { attributes, ..Trace::default() });
+        }
         if may_be_too_deep && self.read_status()?.too_deep != 0 {
             return Ok(Outcome::TooDeep);
         }
@@ -428,6 +487,7 @@ impl<'a> Gpu<'a> {
                 buffers::read::<u32>(&self.engine, "reading a pass", &c.buffer, words * 4)
             };
             trace = Trace {
+                attributes: self.read_attributes(id, n)?,
                 rules: read(&columns.rules, n)?,
                 counts: read(&columns.counts, n)?,
                 offsets: read(&columns.offsets, n + 1)?,
@@ -437,11 +497,41 @@ impl<'a> Gpu<'a> {
         self.trace = Some(trace);
         Ok(())
     }
+
+    /// What was measured of so many modules.
+    fn read_attributes(&self, id: StageId, n: u64) -> Result<Vec<u32>, Error> {
+        let row = id.of(self.plan).row.words as u64;
+        if row == 0 {
+            return Ok(Vec::new());
+        }
+        let words = self.given.words.len() as u64 + n * row;
+        let mut words: Vec<u32> =
+            buffers::read(&self.engine, "reading the attributes", &self.attributes, words * 4)?;
+        words.drain(..self.given.words.len());
+        Ok(words)
+    }
 }
 
 impl Backend for Gpu<'_> {
     type Chunk = GpuChunk;
     type Error = Error;
+
+    fn bind(&mut self, given: &Given) -> Result<(), Error> {
+        let engine = self.engine.clone();
+        engine.checked("giving the kernels their values", || {
+            self.given = given.clone();
+            let bytes = (given.words.len() as u64 * 4).max(16);
+            if self.attributes.size() < bytes {
+                self.attributes = buffers::storage(&self.engine, "burgeon attributes", bytes);
+            }
+            self.write_given();
+            for (id, kernels) in &self.stages {
+                let words = self.plan.environment(id.of(self.plan), &self.uniforms, given);
+                engine.queue.write_buffer(&kernels.environment, 0, bytemuck::cast_slice(&words));
+            }
+            Ok(())
+        })
+    }
 
     fn upload(&mut self, records: Vec<u32>, nets: Vec<[f32; 4]>) -> Result<GpuChunk, Error> {
         let len = records.len() / self.layout().record_words;
@@ -468,7 +558,10 @@ impl Backend for Gpu<'_> {
 
     fn most_modules(&self) -> usize {
         let most = self.engine.device.limits().max_storage_buffer_binding_size;
-        (most / self.layout().net_bytes().max(self.layout().record_bytes())) as usize
+        let row = self.plan.tables.most_measured() as u64 * 4;
+        let given = self.given.words.len() as u64 * 4;
+        let by_attributes = (most - given.min(most)).checked_div(row).unwrap_or(u64::MAX);
+        (most / self.layout().net_bytes().max(self.layout().record_bytes())).min(by_attributes) as usize
     }
 
     fn split(&mut self, chunk: GpuChunk, most: usize) -> Result<Vec<GpuChunk>, Error> {
@@ -521,6 +614,7 @@ impl Backend for Gpu<'_> {
         let engine = self.engine.clone();
         engine.checked("rewriting a chunk", || {
             let n = chunk.len as u64;
+            self.room_for_attributes(id.of(self.plan), n);
             // Where the growth is closed no column is read: any buffer will do.
             let columns = self.columns(if id.of(self.plan).closed.is_some() { 1 } else { n });
             let outcome = self.sweep(id, clock, chunk, &columns, room)?;

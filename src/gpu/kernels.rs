@@ -134,6 +134,7 @@ pub fn scan_groups(count: u64, tile: u32) -> [[u32; 2]; 3] {
 
 /// The kernels of a stage, and its environment.
 pub struct StageKernels {
+    pub measure: Option<Kernel>,
     pub match_modules: Kernel,
     pub count: Kernel,
     pub emit: Kernel,
@@ -155,7 +156,9 @@ impl StageKernels {
             mapped_at_creation: false,
         });
         engine.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(environment));
+        let measure = |s: &Shader| Kernel::of_pass(engine, s, &step::MEASURE, &["measure"]);
         Ok(StageKernels {
+            measure: shaders.measure.as_ref().map(measure),
             match_modules: Kernel::of_pass(engine, &shaders.match_modules, &step::MATCH, &["match_modules"]),
             count: Kernel::of_pass(engine, &shaders.count, &step::COUNT, &["count"]),
             emit: Kernel::of_pass(engine, &shaders.emit, &step::EMIT, &["emit"]),

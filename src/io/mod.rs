@@ -8,6 +8,7 @@ pub mod json;
 mod number;
 pub mod obj;
 pub mod png;
+pub mod values;
 mod write;
 
 pub use number::write_f32;

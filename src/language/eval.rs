@@ -60,7 +60,7 @@ pub fn eval(expr: &Expr, uniforms: &[Value]) -> Result<Value, EvalError> {
         ExprKind::Let(_) => Err(not_constant("a name after `let`".into())),
         ExprKind::Attribute(name) => Err(not_constant(name.to_string())),
         ExprKind::Random { function, .. } => Err(not_constant(function.to_string())),
-        ExprKind::Sample(..) => Err(not_constant("a query".into())),
+        ExprKind::OfRoot(_) | ExprKind::Sample(..) => Err(not_constant("a query".into())),
     }
 }
 

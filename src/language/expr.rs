@@ -139,6 +139,9 @@ pub enum ExprKind {
     },
     /// The value of a host-bound grid query at a point: index into `System::queries`.
     Sample(usize, Box<Expr>),
+    /// The value of a host-bound query for the module's root: index into `System::queries`. The
+    /// checker binds it by `?E(d)`; plans read it in the binder's place.
+    OfRoot(usize),
 }
 
 impl Expr {
@@ -158,7 +161,8 @@ impl Expr {
             | ExprKind::Binder(_)
             | ExprKind::Let(_)
             | ExprKind::Uniform(_)
-            | ExprKind::Attribute(_) => {}
+            | ExprKind::Attribute(_)
+            | ExprKind::OfRoot(_) => {}
         }
     }
 }

@@ -9,10 +9,12 @@
 pub mod axiom;
 pub mod evaluate;
 pub mod validate;
+pub mod values;
 
 pub use axiom::{Axiom, AxiomError, Root};
 pub use evaluate::{NetRef, Parameter, Sample};
 pub use validate::WordError;
+pub use values::{Grid, Values};
 
 use crate::language::Value;
 

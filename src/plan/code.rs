@@ -1,7 +1,7 @@
 //! The rules' expressions as graphs, ready for either backend.
 
 use super::graph::{Constants, Graph, Names, NodeId};
-use super::tables::{MatchRule, Production, Stage, Symbol};
+use super::tables::{Environment, MatchRule, Production, Stage, Symbol};
 use crate::language::expr::Expr;
 
 /// When a rule fires, and on which of its productions.
@@ -37,12 +37,13 @@ pub struct StageCode {
 }
 
 impl StageCode {
-    /// `uniforms` says where each uniform begins in the environment, `base` where they end.
-    pub fn new(stage: &Stage, symbols: &[Symbol], uniforms: &[usize], base: usize) -> StageCode {
+    /// The code of a stage whose row of attributes is known.
+    pub fn new(stage: &Stage, symbols: &[Symbol], environment: &Environment) -> StageCode {
+        let base = environment.given.end(environment.queries.len());
         let mut constants = Constants { base, words: Vec::new() };
         let mut code = StageCode::default();
         for rule in &stage.rules {
-            let mut lower = Lower::new(rule, symbols, uniforms, &mut constants);
+            let mut lower = Lower::new(stage, rule, symbols, environment, &mut constants);
             let mut guards: Vec<NodeId> = rule.guards.iter().map(|g| lower.expr(g)[0]).collect();
             let choice = lower.choice(rule).map(|(any, index)| {
                 guards.push(any);
@@ -54,7 +55,7 @@ impl StageCode {
         }
         for production in &stage.productions {
             let rule = &stage.rules[production.rule];
-            let mut lower = Lower::new(rule, symbols, uniforms, &mut constants);
+            let mut lower = Lower::new(stage, rule, symbols, environment, &mut constants);
             let args = std::array::from_fn(|c| match &production.cells[c] {
                 None => Vec::new(),
                 Some(s) => lower.args(&s.args, &symbols[s.symbol]),
@@ -75,15 +76,23 @@ struct Lower<'a> {
 
 impl<'a> Lower<'a> {
     fn new(
+        stage: &'a Stage,
         rule: &'a MatchRule,
         symbols: &'a [Symbol],
-        uniforms: &'a [usize],
+        environment: &'a Environment,
         constants: &'a mut Constants,
     ) -> Self {
         let fields = &symbols[rule.predecessor].words;
         let mut lower = Lower {
             graph: Graph::default(),
-            names: Names { fields, uniforms, lets: Vec::new(), site: rule.site, constants },
+            names: Names {
+                fields,
+                environment,
+                row: &stage.row,
+                lets: Vec::new(),
+                site: rule.site,
+                constants,
+            },
         };
         for value in &rule.lets {
             let value = lower.expr(value);

@@ -2,6 +2,7 @@
 
 use super::Plan;
 use super::derive::{Backend, Modules, Outcome, StageId};
+use super::given::Given;
 use super::layout::Header;
 use super::step::Clock;
 
@@ -9,6 +10,7 @@ use super::step::Clock;
 /// Columns of passes that were skipped stay empty.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trace {
+    pub attributes: Vec<u32>,
     pub rules: Vec<u32>,
     pub counts: Vec<u32>,
     pub offsets: Vec<u32>,
@@ -16,8 +18,13 @@ pub struct Trace {
 }
 
 /// What a backend answers that was not asked to trace.
-pub static UNTRACED: Trace =
-    Trace { rules: Vec::new(), counts: Vec::new(), offsets: Vec::new(), retired: Vec::new() };
+pub static UNTRACED: Trace = Trace {
+    attributes: Vec::new(),
+    rules: Vec::new(),
+    counts: Vec::new(),
+    offsets: Vec::new(),
+    retired: Vec::new(),
+};
 
 /// A backend that can be asked what its passes wrote.
 pub trait Traced: Backend {
@@ -166,6 +173,11 @@ impl<'a, L: Traced, R: Traced> Pair<'a, L, R> {
 impl<L: Traced, R: Traced> Backend for Pair<'_, L, R> {
     type Chunk = (L::Chunk, R::Chunk);
     type Error = ErrorOf<L, R>;
+
+    fn bind(&mut self, given: &Given) -> Result<(), Self::Error> {
+        self.left.bind(given).map_err(PairError::Left)?;
+        self.right.bind(given).map_err(PairError::Right)
+    }
 
     fn upload(&mut self, records: Vec<u32>, nets: Vec<[f32; 4]>) -> Result<Self::Chunk, Self::Error> {
         let left = self.left.upload(records.clone(), nets.clone()).map_err(PairError::Left)?;

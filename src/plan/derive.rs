@@ -6,6 +6,7 @@
 //! can ever fire again leave the frontier for the *finished* chunks, and come back when a later
 //! derive names their symbol. The order of the word is restored by its keys at the end.
 
+use super::given::{Given, View};
 use super::layout::{Header, Layout};
 use super::schedule::{self, Derive};
 use super::size::{self, Bounds};
@@ -26,6 +27,8 @@ pub trait Backend {
     type Chunk;
     type Error: From<Error>;
 
+    /// What the host gives, for all chunks until it is bound again.
+    fn bind(&mut self, given: &Given) -> Result<(), Self::Error>;
     /// A chunk of these records and nets.
     fn upload(&mut self, records: Vec<u32>, nets: Vec<[f32; 4]>) -> Result<Self::Chunk, Self::Error>;
     /// The records and nets of a chunk.
@@ -80,6 +83,10 @@ pub enum Outcome<C> {
 pub struct Options<'a> {
     /// Params by name.
     pub set: Vec<(String, Value)>,
+    /// The values of queries without `=`, by name.
+    pub bind: Vec<(String, patch::Values)>,
+    /// What `bbox_px` and `area_px` are seen through.
+    pub view: Option<View>,
     /// What random numbers begin with.
     pub seed: u32,
     /// Stop after this many steps in all.
@@ -99,6 +106,8 @@ impl Default for Options<'_> {
     fn default() -> Self {
         Options {
             set: Vec::new(),
+            bind: Vec::new(),
+            view: None,
             seed: 0,
             steps: None,
             max_bytes: 4 << 30,
@@ -145,6 +154,8 @@ pub fn derive<B: Backend>(
     backend: &mut B,
 ) -> Result<Derivation<B::Chunk>, B::Error> {
     let schedule = schedule::unroll(plan, uniforms)?;
+    let given = Given::new(&plan.system, axiom.roots.len(), &options.bind, options.view)?;
+    backend.bind(&given)?;
     let (records, nets) = plan.axiom(axiom, uniforms)?;
     refuse_growth(plan, &records, &schedule, options)?;
     let layout = plan.tables.layout;

@@ -4,6 +4,8 @@
 //! of operations, vectors are their components, and sums of products are spelled out from left to
 //! right. So there is one place where a vector operation gets its order, and equal nodes are one.
 
+use super::measure::Row;
+use super::tables::Environment;
 use crate::language::expr::{Expr, ExprKind, Type, Value};
 use crate::language::ops::{self, Op};
 use std::collections::HashMap;
@@ -39,6 +41,10 @@ pub enum Node {
     Field(Scalar, usize),
     /// A word of the environment.
     Uniform(Scalar, usize),
+    /// A word of the module's row of measured attributes.
+    Measured(Scalar, usize),
+    /// A word of what the host gives; the index is clamped.
+    Given(Scalar, NodeId),
     /// A float constant that is to be read from the environment: [`Graph::settle`] says where.
     Held(u32),
     /// The greater of the halvings along u and v.
@@ -72,8 +78,10 @@ pub struct Graph {
 pub struct Names<'a> {
     /// For each field of the predecessor the word of the record where it begins.
     pub fields: &'a [usize],
-    /// For each uniform the word of the environment where it begins.
-    pub uniforms: &'a [usize],
+    /// Where the environment holds uniforms and what the host gives.
+    pub environment: &'a Environment,
+    /// Where the attributes of nets stand.
+    pub row: &'a Row,
     /// The components of the lets lowered so far.
     pub lets: Vec<Vec<NodeId>>,
     /// Identifies the rule for random numbers.
@@ -101,6 +109,18 @@ impl Constants {
         }
         self.base + at
     }
+}
+
+/// A coordinate among the points of a grid's axis.
+struct Axis {
+    /// Points.
+    size: NodeId,
+    /// The points on either side, and the nearest.
+    low: NodeId,
+    high: NodeId,
+    near: NodeId,
+    /// From 0 at `low` to 1 at `high`.
+    between: NodeId,
 }
 
 impl Graph {
@@ -147,6 +167,7 @@ impl Graph {
     pub fn scalar(&self, id: NodeId) -> Scalar {
         match self.nodes[id] {
             Node::Literal(ty, _) | Node::Field(ty, _) | Node::Uniform(ty, _) => ty,
+            Node::Measured(ty, _) | Node::Given(ty, _) => ty,
             Node::Element { ty, .. } => ty,
             Node::Held(_) => Scalar::Float,
             Node::Level | Node::Step | Node::RunStep | Node::Seed => Scalar::Int,
@@ -158,7 +179,7 @@ impl Graph {
     pub fn args(&self, id: NodeId) -> Vec<NodeId> {
         match self.nodes[id] {
             Node::Call(op, args) => args[..op.row().args.len()].to_vec(),
-            Node::Element { index, .. } => vec![index],
+            Node::Element { index, .. } | Node::Given(_, index) => vec![index],
             _ => Vec::new(),
         }
     }
@@ -176,13 +197,16 @@ impl Graph {
                 (at..at + words).map(|w| self.push(Node::Field(ty, w))).collect()
             }
             ExprKind::Uniform(n) => {
-                let at = names.uniforms[*n];
+                let at = names.environment.uniforms[*n];
                 (at..at + words).map(|w| self.push(Node::Uniform(ty, w))).collect()
             }
             ExprKind::Let(n) => names.lets[*n].clone(),
             ExprKind::Attribute("step") => vec![self.push(Node::Step)],
-            // `plan::supported` has refused the others.
-            ExprKind::Attribute(_) => vec![self.push(Node::Level)],
+            ExprKind::Attribute(name) => match names.row.place(name) {
+                Some(at) => (at..at + words).map(|w| self.push(Node::Measured(ty, w))).collect(),
+                // `plan::supported` has refused what patches have not.
+                None => vec![self.push(Node::Level)],
+            },
             ExprKind::Component(v, n) => vec![self.lower(v, names)[*n]],
             ExprKind::Vector(parts) => parts.iter().flat_map(|p| self.lower(p, names)).collect(),
             ExprKind::Element(list, index) => self.element(list, index, names),
@@ -195,8 +219,95 @@ impl Graph {
                 let args: Vec<NodeId> = args.iter().map(|a| self.lower(a, names)[0]).collect();
                 vec![self.random(function, hash, &args)]
             }
-            ExprKind::Sample(..) => vec![self.push(Node::Literal(ty, 0)); words],
+            ExprKind::OfRoot(query) => self.of_root(*query, ty, names),
+            ExprKind::Sample(query, point) => {
+                let point = self.lower(point, names);
+                self.sample(*query, ty, &point, names)
+            }
         }
+    }
+
+    /// The words of the value that the host gives the module's root.
+    fn of_root(&mut self, query: usize, ty: Scalar, names: &Names) -> Vec<NodeId> {
+        let root = self.push(Node::Field(Scalar::Int, 1));
+        self.given(query, ty, root, names)
+    }
+
+    /// The words of value `n` of a query.
+    fn given(&mut self, query: usize, ty: Scalar, n: NodeId, names: &Names) -> Vec<NodeId> {
+        let words = names.environment.queries[query];
+        let base = self.push(Node::Uniform(Scalar::Int, names.environment.given.values(query)));
+        let stride = self.int(words as u32);
+        let offset = self.ints("*", &[n, stride]);
+        let first = self.ints("+", &[base, offset]);
+        let place = |graph: &mut Graph, word: usize| {
+            let word = graph.int(word as u32);
+            graph.ints("+", &[first, word])
+        };
+        let places: Vec<NodeId> = (0..words).map(|w| place(self, w)).collect();
+        places.into_iter().map(|at| self.push(Node::Given(ty, at))).collect()
+    }
+
+    /// The value of a grid at a point: along each axis the two points of the grid next to it, and
+    /// how far it lies between them; then z first, since x is fastest.
+    fn sample(&mut self, query: usize, ty: Scalar, point: &[NodeId], names: &Names) -> Vec<NodeId> {
+        let axes: Vec<Axis> = (0..3).map(|axis| self.axis(query, axis, point[axis], names)).collect();
+        let [x, y, z] = [&axes[0], &axes[1], &axes[2]];
+        if ty != Scalar::Float {
+            let n = self.grid_point(x, y, [x.near, y.near, z.near]);
+            return self.given(query, ty, n, names);
+        }
+        let mut corners = Vec::with_capacity(8);
+        for n in 0..8 {
+            let side = |axis: &Axis, bit: usize| if n >> bit & 1 == 0 { axis.low } else { axis.high };
+            let at = self.grid_point(x, y, [side(x, 0), side(y, 1), side(z, 2)]);
+            corners.push(self.given(query, ty, at, names));
+        }
+        for axis in [x, y, z] {
+            let pairs: Vec<Vec<NodeId>> = corners
+                .chunks_exact(2)
+                .map(|pair| {
+                    let words = pair[0].iter().zip(&pair[1]);
+                    words.map(|(&a, &b)| self.mix(a, b, axis.between)).collect()
+                })
+                .collect();
+            corners = pairs;
+        }
+        corners.swap_remove(0)
+    }
+
+    /// Where a coordinate lies among the points of an axis.
+    fn axis(&mut self, query: usize, axis: usize, coordinate: NodeId, names: &Names) -> Axis {
+        let given = names.environment.given;
+        let [size, from, density] = [
+            Node::Uniform(Scalar::Int, given.size(query, axis)),
+            Node::Uniform(Scalar::Float, given.from(query, axis)),
+            Node::Uniform(Scalar::Float, given.density(query, axis)),
+        ]
+        .map(|node| self.push(node));
+        let one = self.int(1);
+        let last = self.ints("-", &[size, one]);
+        let end = self.call("float", &[Type::Int], &[last]);
+        let above = self.float("-", &[coordinate, from]);
+        let place = self.float("*", &[above, density]);
+        let zero = self.number(0.0);
+        let place = self.float("clamp", &[place, zero, end]);
+        let floor = self.float("floor", &[place]);
+        let low = self.call("int", &[Type::Float], &[floor]);
+        let next = self.ints("+", &[low, one]);
+        let high = self.ints("min", &[next, last]);
+        let between = self.float("-", &[place, floor]);
+        let round = self.float("round", &[place]);
+        let near = self.call("int", &[Type::Float], &[round]);
+        Axis { size, low, high, near, between }
+    }
+
+    /// The number of a grid's point.
+    fn grid_point(&mut self, x: &Axis, y: &Axis, [i, j, k]: [NodeId; 3]) -> NodeId {
+        let slice = self.ints("*", &[k, y.size]);
+        let row = self.ints("+", &[slice, j]);
+        let start = self.ints("*", &[row, x.size]);
+        self.ints("+", &[start, i])
     }
 
     fn int(&mut self, i: u32) -> NodeId {

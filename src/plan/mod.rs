@@ -5,8 +5,10 @@
 pub mod code;
 pub mod compare;
 pub mod derive;
+pub mod given;
 pub mod graph;
 pub mod layout;
+pub mod measure;
 pub mod schedule;
 pub mod size;
 pub mod step;
@@ -14,12 +16,13 @@ pub mod supported;
 pub mod tables;
 
 use crate::language::expr::Value;
-use crate::language::system::{System, UniformKind};
+use crate::language::system::{Kind, System, UniformKind};
 use crate::language::{Type, eval};
 use crate::patch;
 use std::sync::Arc;
 
 pub use derive::{Backend, Derivation, Options, Progress};
+pub use given::{Given, View};
 pub use supported::Unsupported;
 pub use tables::Tables;
 
@@ -31,6 +34,12 @@ pub enum Error {
     /// A value of `set` does not fit.
     #[error("{0}")]
     Set(String),
+    /// What is bound to a query does not fit it.
+    #[error("{0}")]
+    Bind(String),
+    /// An attribute of the screen, and no view.
+    #[error("the rules read `{attribute}`, which is seen through a view, and none is given")]
+    View { attribute: &'static str },
     /// An expression of the axiom or the schedule has no value.
     #[error("{0}")]
     Value(String),
@@ -62,6 +71,11 @@ impl Plan {
     /// Builds the tables, or names what this version does not derive.
     pub fn new(system: &System) -> Result<Plan, Unsupported> {
         Ok(Plan { tables: Tables::new(system)?, system: Arc::new(system.clone()) })
+    }
+
+    /// Whether control points have weights.
+    pub fn rational(&self) -> bool {
+        matches!(self.system.kind, Kind::Patch { rational: true, .. })
     }
 
     /// The values of all uniforms: the params' defaults, replaced by `set`, and what derives from them.
@@ -110,10 +124,13 @@ impl Plan {
         }
     }
 
-    /// The environment buffer of a stage: the uniforms' words, the constants of its expressions,
-    /// then from a multiple of four the rule table.
-    pub fn environment(&self, stage: &tables::Stage, uniforms: &[Value]) -> Vec<u32> {
+    /// The environment buffer of a stage: the uniforms' words, what the host gives, the constants of
+    /// the stage's expressions, then from a multiple of four the rule table.
+    pub fn environment(&self, stage: &tables::Stage, uniforms: &[Value], given: &Given) -> Vec<u32> {
         let mut words: Vec<u32> = uniforms.iter().flat_map(Value::words).collect();
+        words.resize(self.tables.given.view(), 0);
+        words.extend(&given.environment);
+        words.resize(stage.code.constants.base, 0);
         words.extend(&stage.code.constants.words);
         words.resize(words.len().next_multiple_of(4), 0);
         words.extend(stage.rule_words());

@@ -5,6 +5,7 @@
 //! function and the GPU the kernel of the same name (`src/cpu/NAME.rs`, `wgsl/NAME.wgsl`).
 //!
 //! ```text
+//! measure         attributes of nets, where rules read any      nets → attributes
 //! match_modules   which rule fires on each module               records → rules
 //! count           how many modules come of it                   rules → counts
 //! scan            where the first of them goes                  counts → offsets
@@ -24,6 +25,8 @@ pub enum Column {
     Records,
     /// Nets before the step.
     Nets,
+    /// What the host gives, then for each module the attributes that rules read: [`super::measure`].
+    Attributes,
     /// The rule that fires on each module: an index into the stage's rule table, whose last two
     /// rows are *keep* and *retired*.
     Rules,
@@ -45,7 +48,8 @@ pub enum Column {
     FinishedNets,
     /// Flags of the chunk: see [`Status`].
     Status,
-    /// Uniforms of the system, then the rule table ([`super::tables::rule_word`]), as vec4u.
+    /// Uniforms of the system, what the host gives ([`super::given`]), constants, then the rule table
+    /// ([`super::tables::rule_word`]), as vec4u.
     Environment,
     /// What the host says of the dispatch: see [`Extent`].
     Extent,
@@ -61,9 +65,15 @@ pub struct Pass {
 
 use Column::*;
 
+/// The attributes of nets.
+pub const MEASURE: Pass =
+    Pass { name: "measure", reads: &[Extent, Environment, Records, Nets], writes: &[Attributes] };
 /// Which rule fires on each module.
-pub const MATCH: Pass =
-    Pass { name: "match_modules", reads: &[Extent, Environment, Records], writes: &[Rules, Status] };
+pub const MATCH: Pass = Pass {
+    name: "match_modules",
+    reads: &[Extent, Environment, Records, Attributes],
+    writes: &[Rules, Status],
+};
 /// How many modules come of each.
 pub const COUNT: Pass = Pass { name: "count", reads: &[Extent, Environment, Rules], writes: &[Counts] };
 /// Where the first of them goes.
@@ -71,7 +81,7 @@ pub const SCAN: Pass = Pass { name: "scan", reads: &[Extent, Counts], writes: &[
 /// The children.
 pub const EMIT: Pass = Pass {
     name: "emit",
-    reads: &[Extent, Environment, Records, Nets, Rules, Offsets],
+    reads: &[Extent, Environment, Records, Nets, Rules, Offsets, Attributes],
     writes: &[NextRecords, NextNets, Status],
 };
 /// Which modules are retired.
@@ -84,7 +94,7 @@ pub const RETIRE: Pass = Pass {
 };
 
 /// All passes, in the order in which they run.
-pub const PASSES: [Pass; 6] = [MATCH, COUNT, SCAN, EMIT, COMPACT, RETIRE];
+pub const PASSES: [Pass; 7] = [MEASURE, MATCH, COUNT, SCAN, EMIT, COMPACT, RETIRE];
 
 /// What the rules may know of the time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -109,7 +119,9 @@ pub struct Extent {
     /// The rule id that `compact` looks for.
     pub wanted: u32,
     pub clock: Clock,
-    pub reserved: [u32; 2],
+    /// Words that the host gives: where the measured attributes begin.
+    pub given: u32,
+    pub reserved: u32,
 }
 
 /// What a chunk says of a step; 32 bytes. Each word only ever rises during a step.

@@ -55,11 +55,7 @@ fn steps(run: &[Step]) -> Result<(), Unsupported> {
 }
 
 /// Whether every part of the rule is derived.
-pub fn rule(system: &System, rule: &Rule) -> Result<(), Unsupported> {
-    if let Some(q) = rule.queries.first() {
-        let name = &system.queries[q.query].name;
-        return Err(Unsupported::new(format!("queries (`?{name}`)"), q.span));
-    }
+pub fn rule(rule: &Rule) -> Result<(), Unsupported> {
     if let Some(context) = rule.left.as_ref().or(rule.right.as_ref()) {
         return Err(Unsupported::new("contexts in patch systems", context.span));
     }
@@ -114,11 +110,6 @@ fn expr(e: &Expr) -> Result<(), Unsupported> {
 fn node(e: &Expr) -> Result<(), Unsupported> {
     let refuse = |what: String| Err(Unsupported::new(what, e.span));
     match &e.kind {
-        ExprKind::Attribute("level" | "step") => Ok(()),
-        ExprKind::Attribute(name) => {
-            refuse(format!("the attribute `{name}` in rules (only `level` and `step`)"))
-        }
-        ExprKind::Sample(..) => refuse("queries sampled at a point".to_string()),
         ExprKind::Call(op, _) if op.row().name == "frame *" => {
             refuse(format!("`{}` in rules", op.row().name))
         }

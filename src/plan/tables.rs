@@ -6,7 +6,9 @@
 //! serves blocks of any depth, and a nested block halves outermost first.
 
 use super::code::StageCode;
+use super::given::Places;
 use super::layout::{HEADER_WORDS, Layout};
+use super::measure::Row;
 use super::supported::{self, Unsupported};
 use crate::language::Span;
 use crate::language::expr::{Expr, ExprKind, Type};
@@ -106,6 +108,8 @@ pub struct Stage {
     pub closed: Option<u32>,
     /// Holds the rules as written, not what nested blocks left.
     pub first: bool,
+    /// The attributes of nets that its rules read.
+    pub row: Row,
     /// The rules' expressions as graphs; made when all symbols are known.
     pub code: StageCode,
 }
@@ -120,6 +124,7 @@ impl Stage {
             retires: Vec::new(),
             closed: None,
             first,
+            row: Row::default(),
             code: StageCode::default(),
         };
         for (rule, list) in productions.into_iter().enumerate() {
@@ -131,7 +136,7 @@ impl Stage {
     }
 
     /// What depends on the symbols of all rule sets.
-    fn complete(&mut self, symbols: &[Symbol], uniforms: &[usize], uniform_words: usize) {
+    fn complete(&mut self, symbols: &[Symbol], places: &Environment) {
         self.by_symbol = vec![Vec::new(); symbols.len()];
         for (id, rule) in self.rules.iter().enumerate() {
             self.by_symbol[rule.predecessor].push(id);
@@ -142,7 +147,8 @@ impl Stage {
             .map(|ids| self.first && !ids.iter().any(|id| self.changes_by_itself(&self.rules[*id])))
             .collect();
         self.closed = closed_growth(self, symbols);
-        self.code = StageCode::new(self, symbols, uniforms, uniform_words);
+        self.row = Row::of_stage(self);
+        self.code = StageCode::new(self, symbols, places);
     }
 
     /// Whether the rule may fire later on a module on which it does not fire now.
@@ -216,7 +222,18 @@ pub struct RuleSet {
 pub struct Tables {
     pub symbols: Vec<Symbol>,
     pub layout: Layout,
+    /// Where the environment holds what the host gives.
+    pub given: Places,
     pub rule_sets: Vec<RuleSet>,
+}
+
+/// Where the words of the environment stand that are the same for all stages.
+pub struct Environment {
+    /// For each uniform the word where it begins.
+    pub uniforms: Vec<usize>,
+    pub given: Places,
+    /// For each query the words of a value.
+    pub queries: Vec<usize>,
 }
 
 impl Tables {
@@ -237,11 +254,17 @@ impl Tables {
             return Err(Unsupported::new(what, system.source.kind_span));
         }
         let param_words = symbols.iter().map(words_of).max().unwrap_or(0);
-        let (uniforms, uniform_words) = uniform_places(system);
+        let places = environment(system);
         for stage in rule_sets.iter_mut().flat_map(|set| &mut set.stages) {
-            stage.complete(&symbols, &uniforms, uniform_words);
+            stage.complete(&symbols, &places);
         }
-        Ok(Tables { layout: Layout::new(param_words, degree), symbols, rule_sets })
+        let layout = Layout::new(param_words, degree);
+        Ok(Tables { layout, symbols, given: places.given, rule_sets })
+    }
+
+    /// The most words of attributes that a stage measures of a module.
+    pub fn most_measured(&self) -> usize {
+        self.rule_sets.iter().flat_map(|s| &s.stages).map(|s| s.row.words).max().unwrap_or(0)
     }
 
     /// The rule set of these groups.
@@ -250,14 +273,15 @@ impl Tables {
     }
 }
 
-/// For each uniform the word of the environment where it begins, and how many words they take.
-pub fn uniform_places(system: &System) -> (Vec<usize>, usize) {
+fn environment(system: &System) -> Environment {
     let mut at = 0;
     let starts = system.uniforms.iter().map(|u| {
         at += u.ty.words();
         at - u.ty.words()
     });
-    (starts.collect(), at)
+    let uniforms = starts.collect();
+    let queries = system.queries.iter().map(|q| q.ty.words()).collect();
+    Environment { uniforms, given: Places::new(at), queries }
 }
 
 /// Symbols that the 16 bits of a record can name.
@@ -333,7 +357,7 @@ impl Builder<'_> {
         let mut rules = Vec::new();
         for &g in &groups {
             for rule in &self.system.groups[g].rules {
-                supported::rule(self.system, rule)?;
+                supported::rule(rule)?;
                 rules.push(self.rule(rule)?);
             }
         }
@@ -347,7 +371,8 @@ impl Builder<'_> {
 
     fn rule(&mut self, rule: &Rule) -> Result<(MatchRule, Vec<Production>), Unsupported> {
         let predecessor = rule.strict[0];
-        let resolve = |e: &Expr| by_field(e, rule);
+        let resolve = |e: &Expr| by_field(e, rule, self.system);
+
         let mut productions = Vec::new();
         for alternative in &rule.alternatives {
             let (halves, cells) = match &alternative.successor {
@@ -375,7 +400,7 @@ impl Builder<'_> {
 
     /// The cells of a block. A block inside it becomes a pending module with the predecessor's
     /// parameters, since its expressions read these; what they read besides, and a pending module
-    /// has not (`level`, lets, random numbers), is worked out now and carried along.
+    /// has not (attributes, lets, random numbers), is worked out now and carried along.
     fn block(
         &mut self,
         predecessor: usize,
@@ -430,7 +455,7 @@ fn carried(e: &Expr, own: usize, fields: &mut Vec<Field>, args: &mut Vec<Expr>) 
     e.walk(&mut |e| {
         stays &= match &e.kind {
             ExprKind::Attribute(name) => *name == "step",
-            ExprKind::Let(_) | ExprKind::Random { .. } | ExprKind::Sample(..) => false,
+            ExprKind::Let(_) | ExprKind::Random { .. } => false,
             _ => true,
         }
     });
@@ -462,11 +487,21 @@ fn field(n: usize, ty: &Type, span: Span) -> Expr {
     Expr { ty: ty.clone(), kind: ExprKind::Binder(n), span }
 }
 
-fn by_field(e: &Expr, rule: &Rule) -> Expr {
+fn by_field(e: &Expr, rule: &Rule, system: &System) -> Expr {
     map_expr(e, &|e| match e.kind {
         ExprKind::Binder(b) => match rule.binders[b].place {
             BinderPlace::Strict { field: f, .. } => Some(field(f, &e.ty, e.span)),
-            // `supported::rule` has refused contexts, queries and tags.
+            // Its value is measured or given before anything is matched, so every place where it is
+            // read sees the same.
+            BinderPlace::Query(n) => {
+                let query = rule.queries[n].query;
+                let free = ExprKind::OfRoot(query);
+                Some(match &system.queries[query].value {
+                    Some(value) => value.clone(),
+                    None => Expr { ty: e.ty.clone(), kind: free, span: e.span },
+                })
+            }
+            // `supported::rule` has refused contexts and tags.
             _ => None,
         },
         _ => None,

@@ -7,8 +7,8 @@ struct Extent {
   step: u32,
   run_step: u32,
   seed: u32,
+  given: u32,
   reserved_0: u32,
-  reserved_1: u32,
 }
 
 struct Status {
