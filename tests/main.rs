@@ -20,6 +20,8 @@ mod papers;
 #[cfg(feature = "gpu")]
 mod parity;
 mod parse;
+#[cfg(feature = "gpu")]
+mod queries;
 mod reference;
 #[cfg(feature = "gpu")]
 mod render;

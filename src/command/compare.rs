@@ -31,12 +31,16 @@ pub fn compare(flags: &flags::Compare) -> Result<(), Failure> {
     })?;
     let modules = derivation.steps.last().map_or(job.axiom.roots.len() as u64, |s| s.modules);
     super::print(&format!(
-        "{}: {}, {}: equal on the CPU and on {} after every pass ({} compared)\n",
+        "{}: {}, {}: equal on the CPU and on {} after every pass ({} compared{})\n",
         job.plan.system.name,
         counted(derivation.steps.len() as u64, "step"),
         counted(modules, "module"),
         devices::label(&device.info),
         counted(pair.elements, "word"),
+        match pair.replayed {
+            0 => String::new(),
+            n => format!("; {} too near to a condition's threshold to be told apart", counted(n, "module")),
+        },
     ))
 }
 

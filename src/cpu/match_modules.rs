@@ -26,7 +26,8 @@ pub fn match_modules(stage: &Stage, words: &[u32], input: &Input, rules: &mut [u
         })
 }
 
-fn status(stage: &Stage, words: &[u32], block: &Input, rules: &[u32]) -> Status {
+/// What the chunk has to say of rules that were matched.
+pub fn status(stage: &Stage, words: &[u32], block: &Input, rules: &[u32]) -> Status {
     let mut status = Status::default();
     for (i, &rule) in rules.iter().enumerate() {
         if rule < stage.keep() {

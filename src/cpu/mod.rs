@@ -16,7 +16,7 @@ pub mod scan;
 
 use crate::language::expr::Value;
 use crate::patch;
-use crate::plan::compare::{Trace, Traced, UNTRACED};
+use crate::plan::compare::{Replay, Trace, Traced, UNTRACED};
 use crate::plan::derive::{self, Backend, Modules, Options, Outcome, StageId};
 use crate::plan::given::Given;
 use crate::plan::layout::Layout;
@@ -90,6 +90,7 @@ impl<'a> Cpu<'a> {
         clock: Clock,
         chunk: &Chunk,
         room: u64,
+        replayed: Option<&Trace>,
     ) -> Outcome<Chunk> {
         let stage: &Stage = id.of(self.plan);
         let layout = self.plan.tables.layout;
@@ -104,7 +105,9 @@ impl<'a> Cpu<'a> {
             measured_words: stage.row.words,
             clock,
         };
-        if stage.row.words > 0 {
+        if let Some(trace) = replayed {
+            attributes.extend(&trace.attributes);
+        } else if stage.row.words > 0 {
             attributes.resize(n * stage.row.words, 0);
             let view = self.plan.tables.given.view();
             let rational = self.plan.rational();
@@ -114,7 +117,7 @@ impl<'a> Cpu<'a> {
         let words = stage.rule_words();
         let (total, retired, status) = match stage.closed {
             Some(growth) => (n * growth as usize, 0, Status { fired: 1, ..Status::default() }),
-            None => self.threads.install(|| columns.fill(stage, &input, n)),
+            None => self.threads.install(|| columns.fill(stage, &input, n, replayed)),
         };
         if status.too_deep != 0 {
             return Outcome::TooDeep;
@@ -183,12 +186,25 @@ fn take_if(len: usize, take: impl FnOnce() -> Chunk) -> Option<Chunk> {
 impl Columns {
     /// match → count → scan, and compact: how many modules come, how many are retired, what the
     /// chunk says.
-    fn fill(&mut self, stage: &Stage, input: &program::Input, n: usize) -> (usize, usize, Status) {
+    fn fill(
+        &mut self,
+        stage: &Stage,
+        input: &program::Input,
+        n: usize,
+        replayed: Option<&Trace>,
+    ) -> (usize, usize, Status) {
         self.rules.resize(n, 0);
         self.counts.resize(n, 0);
         self.offsets.resize(n + 1, 0);
-        let status = match_modules::match_modules(stage, &stage.rule_words(), input, &mut self.rules);
-        count::count(&stage.rule_words(), &self.rules, &mut self.counts);
+        let words = stage.rule_words();
+        let status = match replayed {
+            None => match_modules::match_modules(stage, &words, input, &mut self.rules),
+            Some(trace) => {
+                self.rules.copy_from_slice(&trace.rules);
+                match_modules::status(stage, &words, input, &self.rules)
+            }
+        };
+        count::count(&words, &self.rules, &mut self.counts);
         scan::scan(&self.counts, &mut self.offsets);
         if stage.may_retire() {
             compact::compact(&self.rules, stage.retired(), &mut self.retired);
@@ -257,6 +273,20 @@ impl Backend for Cpu<'_> {
     }
 
     fn step(&mut self, id: StageId, clock: Clock, chunk: &Chunk, room: u64) -> Result<Outcome<Chunk>, Error> {
+        Ok(self.step_as(id, clock, chunk, room, None))
+    }
+}
+
+impl Cpu<'_> {
+    /// A sweep, or one that is done again with what another backend measured and matched.
+    fn step_as(
+        &mut self,
+        id: StageId,
+        clock: Clock,
+        chunk: &Chunk,
+        room: u64,
+        replayed: Option<&Trace>,
+    ) -> Outcome<Chunk> {
         let environment = match self.environments.remove(&id) {
             Some(environment) => environment,
             None => self.plan.environment(id.of(self.plan), &self.uniforms, &self.given),
@@ -265,7 +295,8 @@ impl Backend for Cpu<'_> {
         let mut attributes = std::mem::take(&mut self.attributes);
         columns.clear();
         attributes.clear();
-        let outcome = self.sweep(id, &environment, &mut columns, &mut attributes, clock, chunk, room);
+        let outcome =
+            self.sweep(id, &environment, &mut columns, &mut attributes, clock, chunk, room, replayed);
         if let Some(trace) = &mut self.trace {
             *trace = Trace {
                 attributes: attributes.clone(),
@@ -278,7 +309,7 @@ impl Backend for Cpu<'_> {
         self.columns = columns;
         self.attributes = attributes;
         self.environments.insert(id, environment);
-        Ok(outcome)
+        outcome
     }
 }
 
@@ -288,6 +319,22 @@ impl Traced for Cpu<'_> {
     }
     fn set_traced(&mut self) {
         self.trace = Some(Trace::default());
+    }
+}
+
+impl Replay for Cpu<'_> {
+    fn replay(
+        &mut self,
+        stage: StageId,
+        clock: Clock,
+        chunk: &Chunk,
+        room: u64,
+        trace: &Trace,
+    ) -> Result<Outcome<Chunk>, Error> {
+        Ok(self.step_as(stage, clock, chunk, room, Some(trace)))
+    }
+    fn environment(&self, stage: StageId) -> Vec<u32> {
+        self.plan.environment(stage.of(self.plan), &self.uniforms, &self.given)
     }
 }
 

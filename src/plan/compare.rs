@@ -1,10 +1,18 @@
 //! Two backends in lockstep: every column of every pass compared.
+//!
+//! Integers and nets must be equal, and what comes of floats within the bound of [`super::bound`].
+//! Where a condition lies nearer to its threshold than that, and the two decide it differently, the
+//! left one does the step once more with the right one's rules; where floats differ it goes on from
+//! the right one's. So no difference is carried from step to step, and each is held to one step's
+//! bound.
 
 use super::Plan;
+use super::bound::{self, Known, Module};
 use super::derive::{Backend, Modules, Outcome, StageId};
 use super::given::Given;
 use super::layout::Header;
 use super::step::Clock;
+use super::tables::Stage;
 
 /// What the passes of one sweep wrote, for comparison: the columns of [`super::step::Column`].
 /// Columns of passes that were skipped stay empty.
@@ -34,6 +42,21 @@ pub trait Traced: Backend {
     fn set_traced(&mut self);
 }
 
+/// A backend that can do a step with what another has measured and matched.
+pub trait Replay: Traced {
+    /// A sweep as [`Backend::step`] does it, with these attributes and rules in place of its own.
+    fn replay(
+        &mut self,
+        stage: StageId,
+        clock: Clock,
+        chunk: &Self::Chunk,
+        room: u64,
+        trace: &Trace,
+    ) -> Result<Outcome<Self::Chunk>, Self::Error>;
+    /// The environment of a stage.
+    fn environment(&self, stage: StageId) -> Vec<u32>;
+}
+
 /// The first place where two backends differ.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{pass}, sweep {sweep}: {place} is {left} on the {left_name} and {right} on the {right_name}")]
@@ -60,15 +83,11 @@ pub enum PairError<L, R> {
     #[error(transparent)]
     Right(R),
     #[error(transparent)]
-    Difference(Box<Difference>),
+    Difference(Difference),
 }
 
-/// How far float parameters may be apart, relative to the greater: compilers of shaders may factor
-/// and reorder sums and products. Everything else must be equal to the bit.
-pub const ROUNDING: f32 = 1e-4;
-
 /// Two backends as one: it does everything on both and compares.
-pub struct Pair<'a, L: Traced, R: Traced> {
+pub struct Pair<'a, L: Replay, R: Traced> {
     plan: &'a Plan,
     left: L,
     right: R,
@@ -77,19 +96,32 @@ pub struct Pair<'a, L: Traced, R: Traced> {
     pub sweeps: usize,
     /// Elements (words of columns, records and nets) compared so far.
     pub elements: u64,
-    /// How far float parameters were apart at most, as a part of [`ROUNDING`].
+    /// How far floats were apart at most, as a part of what is allowed.
     pub rounding: f32,
+    /// Modules for which a condition near its threshold fell differently.
+    pub replayed: u64,
+    given: Given,
 }
 
 type ChunksOf<L, R> = (<L as Backend>::Chunk, <R as Backend>::Chunk);
 type ErrorOf<L, R> = PairError<<L as Backend>::Error, <R as Backend>::Error>;
 
-impl<'a, L: Traced, R: Traced> Pair<'a, L, R> {
+impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
     /// A pair whose messages use these names.
     pub fn new(plan: &'a Plan, mut left: L, mut right: R, names: [&'static str; 2]) -> Self {
         left.set_traced();
         right.set_traced();
-        Pair { plan, left, right, names, sweeps: 0, elements: 0, rounding: 0.0 }
+        Pair {
+            plan,
+            left,
+            right,
+            names,
+            sweeps: 0,
+            elements: 0,
+            rounding: 0.0,
+            replayed: 0,
+            given: Given::default(),
+        }
     }
 
     fn same<T: PartialEq + Copy>(
@@ -108,7 +140,7 @@ impl<'a, L: Traced, R: Traced> Pair<'a, L, R> {
             Some(index) => index,
         };
         let text = |column: &[T]| column.get(index).map_or("missing".to_string(), |v| show(*v));
-        Err(PairError::Difference(Box::new(Difference {
+        Err(PairError::Difference(Difference {
             pass,
             sweep: self.sweeps,
             place: place(index),
@@ -116,46 +148,132 @@ impl<'a, L: Traced, R: Traced> Pair<'a, L, R> {
             right: text(right),
             left_name: self.names[0],
             right_name: self.names[1],
-        })))
+        }))
     }
 
-    fn same_chunk(
+    /// Records and nets, to the bit.
+    fn same_modules(
         &mut self,
         pass: &'static str,
-        left: &L::Chunk,
-        right: &R::Chunk,
+        left: &Modules,
+        right: &Modules,
     ) -> Result<(), ErrorOf<L, R>> {
-        let (left_records, left_nets) = self.left.read(left).map_err(PairError::Left)?;
-        let (right_records, right_nets) = self.right.read(right).map_err(PairError::Right)?;
-        let right_records = self.within_rounding(&left_records, right_records);
         let plan = self.plan;
-        let place = |at| place_in_records(plan, &left_records, at);
-        self.same(pass, &left_records, &right_records, place, |w| format!("{w:#x}"))?;
+        let place = |at| place_in_records(plan, &left.0, at);
+        self.same(pass, &left.0, &right.0, place, |w| format!("{w:#x}"))?;
         let bits = |nets: &[[f32; 4]]| -> Vec<u32> { nets.iter().flatten().map(|x| x.to_bits()).collect() };
         let points = plan.tables.layout.net_points();
         let place = |at| {
             let (point, component) = (at / 4, ["xw", "yw", "zw", "w"][at % 4]);
             format!("{component} of point {} of module {}", point % points, point / points)
         };
-        self.same(pass, &bits(&left_nets), &bits(&right_nets), place, |w| format!("{:?}", f32::from_bits(w)))
+        self.same(pass, &bits(&left.1), &bits(&right.1), place, |w| format!("{:?}", f32::from_bits(w)))
     }
 
-    /// The right records with the left's floats where these are near enough.
-    fn within_rounding(&mut self, left: &[u32], mut right: Vec<u32>) -> Vec<u32> {
-        let words = self.plan.tables.layout.record_words;
-        for (left, right) in left.chunks_exact(words).zip(right.chunks_exact_mut(words)) {
-            let symbol = Header::read(left).symbol as usize;
-            for at in self.plan.tables.symbols.get(symbol).iter().flat_map(|s| s.float_words()) {
-                let (a, b) = (f32::from_bits(left[at]), f32::from_bits(right[at]));
-                let (apart, allowed) = ((a - b).abs(), ROUNDING * a.abs().max(b.abs()));
-                if apart > 0.0 && apart <= allowed {
-                    self.rounding = self.rounding.max(apart / allowed);
+    fn read_both(&mut self, left: &L::Chunk, right: &R::Chunk) -> Result<(Modules, Modules), ErrorOf<L, R>> {
+        let left = self.left.read(left).map_err(PairError::Left)?;
+        Ok((left, self.right.read(right).map_err(PairError::Right)?))
+    }
+
+    /// Whether a word of this machine may be another one there.
+    fn allows(&mut self, known: Known, own: u32, other: u32) -> bool {
+        if let Known::Near { radius, .. } = known
+            && radius > 0.0
+            && radius.is_finite()
+        {
+            let apart = (f32::from_bits(own) - f32::from_bits(other)).abs();
+            if apart <= radius {
+                self.rounding = self.rounding.max(apart / radius);
+            }
+        }
+        known.allows(other)
+    }
+
+    /// Compares what was measured and matched. True where the two may, and do, differ: then the left
+    /// one has to do the sweep again with what the right one found.
+    fn settle(&mut self, id: StageId, clock: Clock, chunk: &L::Chunk) -> Result<bool, ErrorOf<L, R>> {
+        let (own, other) = (self.left.trace().clone(), self.right.trace().clone());
+        self.elements += (own.attributes.len() + own.rules.len()) as u64;
+        let lengths = |t: &Trace| [t.attributes.len(), t.rules.len()];
+        self.same("measure", &lengths(&own), &lengths(&other), whole, |n| format!("{n} words"))?;
+        if own.attributes == other.attributes && own.rules == other.rules {
+            return Ok(false);
+        }
+        let plan = self.plan;
+        let (stage, layout) = (id.of(plan), plan.tables.layout);
+        let (records, nets) = self.left.read(chunk).map_err(PairError::Left)?;
+        let environment = self.left.environment(id);
+        let given = std::mem::take(&mut self.given);
+        let view = &environment[plan.tables.given.view()..];
+        let row = stage.row.words;
+        for (i, record) in records.chunks_exact(layout.record_words).enumerate() {
+            let of_row = |t: &Trace| i * row..(i * row + row).min(t.attributes.len());
+            let (measured, theirs) = (&own.attributes[of_row(&own)], &other.attributes[of_row(&other)]);
+            let rules = [&own, &other].map(|t| t.rules.get(i).copied().unwrap_or(0));
+            if measured == theirs && rules[0] == rules[1] {
+                continue;
+            }
+            let net = &nets[i * layout.net_points()..][..layout.net_points()];
+            let spread = bound::spread(&stage.row, net, plan.rational(), view);
+            let float = |w: u32| format!("{:?}", f32::from_bits(w));
+            for (n, (&a, &b)) in measured.iter().zip(theirs).enumerate() {
+                let value = f32::from_bits(a);
+                if a != b && !self.allows(Known::Near { value, radius: spread[n] }, a, b) {
+                    let place = |_| format!("word {n} of the attributes of module {i}");
+                    self.same("measure", &[a], &[b], place, float)?;
                 }
-                if apart <= allowed || a.is_nan() && b.is_nan() {
-                    right[at] = left[at];
+            }
+            if rules[0] != rules[1] {
+                let (given, environment) = (given.words.as_slice(), environment.as_slice());
+                let module = Module { record, environment, given, measured, spread: &spread, clock };
+                if !bound::possible_rules(stage, &module).contains(&rules[1]) {
+                    let place = |_| format!("the rule of module {i}");
+                    self.same("match_modules", &rules[..1], &rules[1..], place, |w| w.to_string())?;
+                }
+                self.replayed += 1;
+            }
+        }
+        self.given = given;
+        Ok(true)
+    }
+
+    /// The right records with the left's floats where both are right: what the rules made of floats.
+    fn within_bounds(
+        &mut self,
+        id: StageId,
+        clock: Clock,
+        parents: &[u32],
+        left: &[u32],
+        mut right: Vec<u32>,
+    ) -> Vec<u32> {
+        let plan = self.plan;
+        let (stage, words) = (id.of(plan), plan.tables.layout.record_words);
+        let trace = self.left.trace().clone();
+        let environment = self.left.environment(id);
+        let given = std::mem::take(&mut self.given);
+        for (n, (own, other)) in left.chunks_exact(words).zip(right.chunks_exact_mut(words)).enumerate() {
+            if own == other {
+                continue;
+            }
+            let Some((i, rule, cell)) = origin(stage, &trace, parents, words, n) else { continue };
+            let row = stage.row.words;
+            let module = Module {
+                record: &parents[i * words..][..words],
+                environment: &environment,
+                given: &given.words,
+                measured: trace.attributes.get(i * row..i * row + row).unwrap_or(&[]),
+                spread: &[],
+                clock,
+            };
+            let code = &stage.code.children[rule];
+            let known = bound::evaluate(&code.graph, &module);
+            for &(node, at) in &code.args[cell] {
+                if own[at] != other[at] && self.allows(known[node], own[at], other[at]) {
+                    other[at] = own[at];
                 }
             }
         }
+        self.given = given;
         right
     }
 
@@ -163,18 +281,18 @@ impl<'a, L: Traced, R: Traced> Pair<'a, L, R> {
         let (left, right) = (self.left.trace().clone(), self.right.trace().clone());
         let of_module = |what: &'static str| move |i| format!("the {what} of module {i}");
         let number = |w: u32| w.to_string();
-        self.same("match_modules", &left.rules, &right.rules, of_module("rule"), number)?;
         self.same("count", &left.counts, &right.counts, of_module("count"), number)?;
         self.same("scan", &left.offsets, &right.offsets, of_module("offset"), number)?;
         self.same("compact", &left.retired, &right.retired, |i| format!("retired module {i}"), number)
     }
 }
 
-impl<L: Traced, R: Traced> Backend for Pair<'_, L, R> {
+impl<L: Replay, R: Traced> Backend for Pair<'_, L, R> {
     type Chunk = (L::Chunk, R::Chunk);
     type Error = ErrorOf<L, R>;
 
     fn bind(&mut self, given: &Given) -> Result<(), Self::Error> {
+        self.given = given.clone();
         self.left.bind(given).map_err(PairError::Left)?;
         self.right.bind(given).map_err(PairError::Right)
     }
@@ -185,8 +303,9 @@ impl<L: Traced, R: Traced> Backend for Pair<'_, L, R> {
     }
 
     fn read(&mut self, chunk: &Self::Chunk) -> Result<Modules, Self::Error> {
-        self.same_chunk("read", &chunk.0, &chunk.1)?;
-        self.left.read(&chunk.0).map_err(PairError::Left)
+        let (left, right) = self.read_both(&chunk.0, &chunk.1)?;
+        self.same_modules("read", &left, &right)?;
+        Ok(left)
     }
 
     fn len(&self, chunk: &Self::Chunk) -> usize {
@@ -220,8 +339,12 @@ impl<L: Traced, R: Traced> Backend for Pair<'_, L, R> {
         chunk: &Self::Chunk,
         room: u64,
     ) -> Result<Outcome<Self::Chunk>, Self::Error> {
-        let left = self.left.step(stage, clock, &chunk.0, room).map_err(PairError::Left)?;
+        let mut left = self.left.step(stage, clock, &chunk.0, room).map_err(PairError::Left)?;
         let right = self.right.step(stage, clock, &chunk.1, room).map_err(PairError::Right)?;
+        if self.settle(stage, clock, &chunk.0)? {
+            let theirs = self.right.trace().clone();
+            left = self.left.replay(stage, clock, &chunk.0, room, &theirs).map_err(PairError::Left)?;
+        }
         self.same_trace()?;
         let outcome = match (left, right) {
             (
@@ -238,9 +361,9 @@ impl<L: Traced, R: Traced> Backend for Pair<'_, L, R> {
                     whole,
                     symbols,
                 )?;
-                let next = self.both("emit", a, d)?;
+                let next = self.both("emit", a, d, Some((stage, clock, &chunk.0)))?;
                 let mask = b.as_ref().map_or(0, |b| b.1);
-                let retired = self.both("retire", b.map(|b| b.0), e.map(|e| e.0))?.map(|c| (c, mask));
+                let retired = self.both("retire", b.map(|b| b.0), e.map(|e| e.0), None)?.map(|c| (c, mask));
                 Outcome::Done { next, retired, fired: c }
             }
             (Outcome::NoRoom { needed, modules }, Outcome::NoRoom { needed: other, .. }) => {
@@ -285,6 +408,30 @@ fn place_in_records(plan: &Plan, records: &[u32], at: usize) -> String {
     }
 }
 
+/// Of child `n` the parent, the rule that made it, and the cell; none where it is a copy.
+fn origin(
+    stage: &Stage,
+    trace: &Trace,
+    parents: &[u32],
+    words: usize,
+    n: usize,
+) -> Option<(usize, usize, usize)> {
+    let (parent, rule, nth) = match stage.closed {
+        Some(growth) => {
+            let parent = n / growth as usize;
+            let symbol = parents[parent * words] & 0xffff;
+            (parent, stage.unconditional(symbol as usize)?, n % growth as usize)
+        }
+        None => {
+            let parent = trace.offsets.partition_point(|&o| o as usize <= n).checked_sub(1)?;
+            (parent, trace.rules[parent] as usize, n - trace.offsets[parent] as usize)
+        }
+    };
+    let production = stage.productions.get(rule)?;
+    let cell = (0..4).filter(|&c| production.cells[c].is_some()).nth(nth)?;
+    Some((parent, rule, cell))
+}
+
 fn kind<C>(outcome: &Outcome<C>) -> usize {
     match outcome {
         Outcome::Done { .. } => 0,
@@ -293,20 +440,31 @@ fn kind<C>(outcome: &Outcome<C>) -> usize {
     }
 }
 
-impl<L: Traced, R: Traced> Pair<'_, L, R> {
-    /// The chunks of both, compared; where only one has modules, that is the difference.
+impl<L: Replay, R: Traced> Pair<'_, L, R> {
+    /// The chunks of both, compared; where only one has modules, that is the difference. `parents`
+    /// says what they are made of, where they are not copies.
     fn both(
         &mut self,
         pass: &'static str,
         left: Option<L::Chunk>,
         right: Option<R::Chunk>,
+        parents: Option<(StageId, Clock, &L::Chunk)>,
     ) -> Result<Option<ChunksOf<L, R>>, ErrorOf<L, R>> {
         let lengths =
             (left.as_ref().map_or(0, |c| self.left.len(c)), right.as_ref().map_or(0, |c| self.right.len(c)));
         self.same(pass, &[lengths.0], &[lengths.1], whole, |n| format!("{n} modules"))?;
         match (left, right) {
-            (Some(l), Some(r)) => {
-                self.same_chunk(pass, &l, &r)?;
+            (Some(mut l), Some(r)) => {
+                let (left, right) = self.read_both(&l, &r)?;
+                let Some((id, clock, chunk)) = parents.filter(|_| left.0 != right.0) else {
+                    self.same_modules(pass, &left, &right)?;
+                    return Ok(Some((l, r)));
+                };
+                let parents = self.left.read(chunk).map_err(PairError::Left)?.0;
+                let agreed = self.within_bounds(id, clock, &parents, &left.0, right.0.clone());
+                self.same_modules(pass, &left, &(agreed, right.1.clone()))?;
+                self.left.recycle(l);
+                l = self.left.upload(right.0, right.1).map_err(PairError::Left)?;
                 Ok(Some((l, r)))
             }
             _ => Ok(None),

@@ -269,7 +269,9 @@ impl Reads {
     fn expr(&mut self, e: &Expr) {
         e.walk(&mut |e| match e.kind {
             ExprKind::Sample(query, _) => self.forms[query] = Some(Form::Grid),
-            ExprKind::Attribute(name) if measure::of_the_screen(name) => self.screen = Some(name),
+            ExprKind::Attribute(name) if measure::of_the_screen(name) => {
+                self.screen.get_or_insert(name);
+            }
             _ => {}
         });
     }

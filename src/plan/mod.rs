@@ -2,6 +2,7 @@
 //!
 //! Start with [`layout`] (what a module is in memory), then [`step`] (one step, written once).
 
+pub mod bound;
 pub mod code;
 pub mod compare;
 pub mod derive;

@@ -4,8 +4,8 @@ use super::halving::Net;
 use super::value::Value;
 use super::word::Module;
 
-/// The value of an attribute, computed when it is asked for. `area`, `bbox_px` and `area_px` are
-/// left out: they are estimates, not definitions.
+/// The value of an attribute, computed when it is asked for. `bbox_px` and `area_px` are left out:
+/// the oracle has no view.
 pub fn attribute(name: &str, module: &Module, step: usize, rational: bool) -> Option<Value> {
     let points = || Points::new(&module.net, rational);
     Some(match name {
@@ -16,6 +16,7 @@ pub fn attribute(name: &str, module: &Module, step: usize, rational: bool) -> Op
         "flatness" => Value::Float(points().flatness()),
         "bend_u" => Value::Float(points().bend(1, 0)),
         "bend_v" => Value::Float(points().bend(0, 1)),
+        "area" => Value::Float(points().area()),
         _ => return None,
     })
 }
@@ -62,6 +63,20 @@ impl Points {
             }
         }
         greatest
+    }
+
+    /// The areas of the net's quads, each as if it were flat.
+    fn area(&self) -> f64 {
+        let mut sum = 0.0;
+        for rows in self.rows.windows(2) {
+            for (near, far) in rows[0].windows(2).zip(rows[1].windows(2)) {
+                let [a, b] = [[far[1], near[0]], [near[1], far[0]]]
+                    .map(|[to, from]| [0, 1, 2].map(|k: usize| to[k] - from[k]));
+                let minor = |i: usize, j: usize| a[i] * b[j] - a[j] * b[i];
+                sum += 0.5 * norm([minor(1, 2), minor(2, 0), minor(0, 1)]);
+            }
+        }
+        sum
     }
 
     /// The greatest second difference in the direction of (down, across).

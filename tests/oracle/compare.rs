@@ -85,11 +85,18 @@ fn compare_module(
     if let Some((what, _)) = checks.iter().find(|(_, same)| !same) {
         return Err(format!("the {what} differ"));
     }
-    compare_params(module, &other.params)?;
+    compare_params(module, &other.params, tolerance)?;
     compare_nets(word, module, engine.net(index), tolerance)
 }
 
-fn compare_params(module: &Module, others: &[Value]) -> Result<(), String> {
+fn compare_params(module: &Module, others: &[Value], tolerance: Tolerance) -> Result<(), String> {
+    // What is measured of a net is off by roundings of its coordinates.
+    let measured = match tolerance {
+        Tolerance::Carried { c } => {
+            c * module.net.points.iter().flatten().fold(0.0, |a: f64, x| a.max(x.abs()))
+        }
+        _ => 0.0,
+    };
     if module.params.len() != others.len() {
         return Err("the numbers of parameters differ".to_string());
     }
@@ -100,7 +107,7 @@ fn compare_params(module: &Module, others: &[Value]) -> Result<(), String> {
             // The oracle's floats are f64: a few roundings of f32 are granted.
             (Param::Float(a), Value::Float(b)) => {
                 let b = *b as f64;
-                *a == b || (a - b).abs() <= 16.0 * f32::EPSILON as f64 * a.abs().max(b.abs())
+                *a == b || (a - b).abs() <= f32::EPSILON as f64 * measured.max(16.0 * a.abs().max(b.abs()))
             }
             _ => false,
         };
