@@ -6,7 +6,7 @@
 //! to be tessellated.
 //!
 //! **This version derives patch systems of bicubic Bézier nets.** Curve and mesh systems are parsed
-//! and checked in full, but not derived yet; nor are rational nets, other degrees and queries. What is not derived is refused by name
+//! and checked in full, but not derived yet; nor are rational nets and other degrees. What is not derived is refused by name
 //! ([`plan::Unsupported`]) before anything runs. The [reference](language#what-this-version-derives)
 //! has the list.
 //!

@@ -6,6 +6,7 @@ mod devices;
 #[cfg(unix)]
 mod interrupted;
 mod output;
+mod queries;
 mod usage;
 
 use std::collections::BTreeMap;

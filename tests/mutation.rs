@@ -25,6 +25,8 @@ enum Check {
     Wide,
     /// `values`: elementary functions, random numbers and weights.
     Values,
+    /// `measures`: attributes, values of the host, a view.
+    Measured,
     /// Scan and compaction by themselves.
     Scans,
     /// These with workgroups in two dimensions.
@@ -65,6 +67,33 @@ const MATCHING: &[Mutant] = &[
     (GENERATED, "default: { r = m; }", "default: { }", Every),
     (GENERATED, " && ", " || ", Every),
     (GENERATED, "return select(", "return max(3u, 1u) + 0u * select(", Every),
+];
+
+const MEASURING: &[Mutant] = &[
+    ("measure", "if i >= extent.count", "if i + 1u >= extent.count", Measured),
+    ("measure", "extent.given + i * MEASURED", "i * MEASURED", Measured),
+    ("measure", "sum += points[k];", "sum += points[k - 1u];", Measured),
+    ("measure", "return sum / f32(POINTS);", "return sum / f32(POINTS - 1u);", Measured),
+    ("measure", "let c01 = points[COLUMNS - 1u];", "let c01 = points[COLUMNS];", Measured),
+    ("measure", "(c10 - c00) * u;", "(c10 - c00) * u * u;", Measured),
+    ("measure", "f32(j) / f32(COLUMNS - 1u)", "f32(j) / f32(COLUMNS)", Measured),
+    ("measure", "points[k + 2u * stride]", "points[k + 3u * stride]", Measured),
+    ("measure", "- 2u, COLUMNS, COLUMNS)", "- 2u, COLUMNS, 1u)", Measured),
+    ("measure", "bend(ROWS, max(COLUMNS, 2u) - 2u, 1u)", "bend(1u, max(COLUMNS, 2u) - 2u, 1u)", Measured),
+    ("measure", "a.y * b.z - a.z * b.y", "a.y * b.z + a.z * b.y", Measured),
+    ("measure", "return sum * 0.5;", "return sum;", Measured),
+    ("measure", "clip.xy / clip.w", "clip.xy", Measured),
+    ("measure", "if clip.w > 0.0", "if clip.w > -100.0", Measured),
+    ("measure", "if before == 0u", "if before == POINTS", Measured),
+    ("measure", "select(GREATEST, -1.0, before == POINTS)", "-1.0", Measured),
+    ("measure", "greatest.x - least.x, greatest.y - least.y", "greatest.x - least.x, 0.0", Measured),
+    ("measure", "abs(a.x * b.y - a.y * b.x)", "a.x * b.y - a.y * b.x", Measured),
+    ("measure", "2u * index + 1u", "2u * index", Measured),
+    ("measure", "(126u - halvings)", "(127u - halvings)", Measured),
+    ("measure", "m.q1.y, m.q0.x >> 24u", "m.q1.x, m.q0.x >> 24u", Measured),
+    ("attributes", "extent.given + m.index", "m.index", Measured),
+    ("attributes", "m.index * MEASURED", "m.index", Measured),
+    ("attributes", "max(extent.given, 1u) - 1u", "max(extent.given, 9u) - 9u", Measured),
 ];
 
 const ELEMENTARY: &[Mutant] = &[
@@ -225,6 +254,7 @@ impl Check {
             Deep => parity(engine, "deep", None).and_then(|()| parity(engine, "deep_closed", None)),
             Wide => parity(engine, "wide", None),
             Values => parity(engine, "values", None),
+            Measured => parity(engine, "measures", None),
             Scans => seen(scans::compare(engine, &[0, 1, 63, 1024, 1025, 20_000])),
             // 64 elements a tile.
             WideScans => seen(scans::compare(engine, &[32_769 * 64])),
@@ -286,6 +316,11 @@ fn every_mutant_of_matching_and_counting_is_seen() {
 }
 
 #[test]
+fn every_mutant_of_measuring_is_seen() {
+    kill(MEASURING, Mapping::NetPerInvocation);
+}
+
+#[test]
 fn every_mutant_of_elementary_functions_is_seen() {
     kill(ELEMENTARY, Mapping::PointPerInvocation);
 }
@@ -318,8 +353,10 @@ fn every_mutant_of_scan_and_compaction_is_seen() {
 /// Every kernel, and every file that kernels share, is broken more than once.
 #[test]
 fn every_file_has_mutants() {
-    let all: Vec<&Mutant> =
-        [MATCHING, ELEMENTARY, ADDRESSES, CHILDREN, NETS, POINTS, SCANS].into_iter().flatten().collect();
+    let all: Vec<&Mutant> = [MATCHING, MEASURING, ELEMENTARY, ADDRESSES, CHILDREN, NETS, POINTS, SCANS]
+        .into_iter()
+        .flatten()
+        .collect();
     for folder in ["wgsl", "wgsl/shared"] {
         for entry in std::fs::read_dir(folder).expect("the kernels") {
             let path = entry.expect("an entry").path();

@@ -73,9 +73,9 @@ fn stages(plan: &Plan) -> Vec<StageId> {
         .collect()
 }
 
-fn stage_shaders(plan: &Plan, id: StageId, tuning: &Tuning) -> [Shader; 3] {
+fn stage_shaders(plan: &Plan, id: StageId, tuning: &Tuning) -> Vec<Shader> {
     let s = codegen::stage(plan, id, tuning).unwrap_or_else(|e| panic!("{e}"));
-    [s.match_modules, s.count, s.emit]
+    s.measure.into_iter().chain([s.match_modules, s.count, s.emit]).collect()
 }
 
 fn shared_shaders(layout: &Layout, tuning: &Tuning) -> [Shader; 3] {
@@ -93,7 +93,7 @@ fn small_plan() -> Plan {
     plans(SMALL).swap_remove(0)
 }
 
-/// A system with a condition, an expression in every place, and a nested block.
+/// A system with a condition, attributes, an expression in every place, and a nested block.
 const SMALL: &str = "\
 system small : patch bezier 3
 module P(n: int, k: bool), Q
@@ -101,6 +101,7 @@ axiom: P(0, true) = file \"sheet.bpt\"
 rules:
   P(n, k) : n < 3 && k -> [ P(n/2 + level, !k) [ Q | P(n, k) ] ; eps Q ]
   P(n, k) : n > 5 -> eps
+  P(n, k) : flatness + bbox_px + uv.x > 1000 -> eps
 run:
   derive 3
 ";
@@ -324,8 +325,8 @@ fn structs_lie_in_wgsl_as_in_rust() {
         ("step", clock + offset_of!(Clock, step)),
         ("run_step", clock + offset_of!(Clock, run_step)),
         ("seed", clock + offset_of!(Clock, seed)),
+        ("given", offset_of!(Extent, given)),
         ("reserved_0", offset_of!(Extent, reserved)),
-        ("reserved_1", offset_of!(Extent, reserved) + 4),
     ];
     let reserved = offset_of!(Status, reserved);
     let status = [

@@ -6,10 +6,10 @@ use crate::cpu::Cpu;
 use crate::gpu::{Engine, Gpu};
 use crate::io::bpt;
 use crate::language::{System, Value};
-use crate::patch::Axiom;
+use crate::patch::{Axiom, Grid, Values};
 use crate::plan::compare::Pair;
 use crate::plan::derive::{collect, derive};
-use crate::plan::{self, Options, Plan};
+use crate::plan::{self, Options, Plan, View};
 
 /// A system of the suite.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +22,8 @@ pub struct Subject {
     pub steps: Option<u32>,
     /// The derivation is refused at this step, since an address would not fit.
     pub too_deep: Option<u32>,
+    /// What the host gives: values for its queries, and a view.
+    pub given: Option<fn() -> (Vec<(String, Values)>, View)>,
 }
 
 /// What all files of an axiom hold.
@@ -34,6 +36,7 @@ pub enum Nets {
 }
 
 const SHEET: Nets = Nets::File(include_str!("../../examples/data/sheet.bpt"));
+const HILL: Nets = Nets::File(include_str!("../../examples/data/hill.bpt"));
 const TEAPOT: Nets = Nets::File(include_str!("../../examples/data/teapot.bpt"));
 
 macro_rules! example {
@@ -44,12 +47,14 @@ macro_rules! example {
             nets: $nets,
             steps: Some($steps),
             too_deep: None,
+            given: None,
         }
     };
 }
 
 /// The examples of this crate, a few steps of each.
 pub const EXAMPLES: &[Subject] = &[
+    example!("adaptive", HILL, 4),
     example!("fractal", SHEET, 5),
     example!("holes", SHEET, 4),
     example!("sierpinski", SHEET, 5),
@@ -60,12 +65,16 @@ pub const EXAMPLES: &[Subject] = &[
 
 macro_rules! written {
     ($name:literal, $roots:literal, $too_deep:expr) => {
+        written!($name, $roots, $too_deep, None)
+    };
+    ($name:literal, $roots:literal, $too_deep:expr, $given:expr) => {
         Subject {
             name: $name,
             text: include_str!(concat!("systems/", $name, ".burgeon")),
             nets: Nets::Lattice($roots),
             steps: None,
             too_deep: $too_deep,
+            given: $given,
         }
     };
 }
@@ -77,9 +86,20 @@ pub const WRITTEN: &[Subject] = &[
     written!("mixed", 1, None),
     written!("values", 3, None),
     written!("lots", 3, None),
+    written!("measures", 3, None, Some(given)),
     written!("deep", 2, Some(32)),
     written!("deep_closed", 1, Some(32)),
 ];
+
+/// Values for the queries of `measures`, and a viewer in the midst of its nets.
+fn given() -> (Vec<(String, Values)>, View) {
+    let number = |n: u32| Value::Float((n * 37 % 11) as f32);
+    let heat = Values::Roots((0..3).map(number).collect());
+    let (from, to) = ([-9.0; 3], [9.0; 3]);
+    let field = Values::Grid(Grid { size: [3, 2, 4], from, to, values: (0..24).map(number).collect() });
+    let view = View::looking([0.0; 3], [5.0, 1.0, 0.0], [0.0, 0.0, 1.0], 60.0, [640.0, 480.0]);
+    (vec![("Heat".to_string(), heat), ("Field".to_string(), field)], view)
+}
 
 /// More invocations than one dimension of workgroups holds.
 pub const WIDE: Subject = written!("wide", 40_000, None);
@@ -92,6 +112,7 @@ macro_rules! generated {
             nets: Nets::Lattice(4),
             steps: None,
             too_deep: None,
+            given: None,
         }),*]
     };
 }
@@ -177,6 +198,11 @@ impl Subject {
         for &chunk in chunks {
             check(stop)?;
             let mut options = Options { seed: 5, steps: self.steps, stop, ..Options::default() };
+            if let Some(given) = self.given {
+                let (bind, view) = given();
+                options.bind = bind;
+                options.view = Some(view);
+            }
             if let (Some(chunk), None) = (chunk, self.too_deep) {
                 options.steps =
                     Some(job.steps_in_chunks(&options, chunk)?.min(self.steps.unwrap_or(u32::MAX)));

@@ -165,13 +165,33 @@ fn attributes() -> Vec<Attribute> {
     use Owner::{Edge, Face, Patch, Place, Rule, Slot};
     use Type::{Bool, Float, Int, Vec2, Vec3, Vec4};
     let all: [(&'static str, Type, Owner, &'static str); 29] = [
-        ("centroid", Vec3, Patch, "Mean of the corner points of the net."),
-        ("flatness", Float, Patch, "Greatest distance of the net from its bilinear corner patch."),
+        ("centroid", Vec3, Patch, "Mean of the control points."),
+        (
+            "flatness",
+            Float,
+            Patch,
+            "Greatest distance of a control point from the bilinear patch of the corners, at the same parameters.",
+        ),
         ("bend_u", Float, Patch, "Greatest second difference along u."),
         ("bend_v", Float, Patch, "Greatest second difference along v."),
-        ("area", Float, Patch, "Area of the net's quads."),
-        ("bbox_px", Float, Patch, "Greater side of its box on the screen, in pixels."),
-        ("area_px", Float, Patch, "Area on the screen, in pixels."),
+        (
+            "area",
+            Float,
+            Patch,
+            "Areas of the net's quads, summed: half the cross product of the diagonals each.",
+        ),
+        (
+            "bbox_px",
+            Float,
+            Patch,
+            "Greater side of the net's box on the screen, in pixels: 0 behind the viewer, 3.4e38 where it reaches through the viewer's plane.",
+        ),
+        (
+            "area_px",
+            Float,
+            Patch,
+            "Areas of the net's quads on the screen, summed, in pixels; behind the viewer as `bbox_px`.",
+        ),
         ("level", Int, Patch, "The greater of its halvings along u and v."),
         ("uv", Vec2, Patch, "Its centre in the axiom's square."),
         ("centroid", Vec3, Face, "Mean of the corners."),

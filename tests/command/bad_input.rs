@@ -237,9 +237,6 @@ fn constructs_that_are_not_derived() {
         ("`rational` nets", patch("bezier 3 rational", "P(n: int)", "rules:\n  P(n) -> [ P(n) | P(n) ]")),
         ("degree 2×2", patch("bezier 2", "P(n: int)", "rules:\n  P(n) -> [ P(n) | P(n) ]")),
         ("degree 3×2", patch("bezier 3 2", "P(n: int)", "rules:\n  P(n) -> [ P(n) | P(n) ]")),
-        ("queries (`?F`)", patch("bezier 3", "P(n: int)", "query F(f: float) = flatness\nrules:\n  ?F(f) P(n) : f > 1 -> [ P(n) | P(n) ]")),
-        ("attribute `flatness`", bicubic("P(n) : flatness > 1 -> [ P(n) | P(n) ]")),
-        ("attribute `uv`", bicubic("P(n) : uv.x > 0.5 -> [ P(n) | P(n) ]")),
     ];
     for (construct, text) in cases {
         folder.write("s.burgeon", text);
