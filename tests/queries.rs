@@ -237,7 +237,7 @@ fn a_grid_is_linear_between_its_points_and_constant_beyond() {
     let field = |[x, y, z]: [f32; 3]| 2.0 * x - y + 0.5 * z + 0.25 * x * y * z;
     let kind = |[x, y, _]: [f32; 3]| if x > 4.0 { 10 } else { 0 } + if y > 7.0 { 1 } else { 0 };
     bound(&mut options, "Heat", Values::Grid(grid([5, 4, 7], from, to, |p| Value::Float(field(p)))));
-    bound(&mut options, "Wind", Values::Grid(grid([2, 1, 2], from, [9.0, 2.0, 6.0], |p| Value::Vec3(p))));
+    bound(&mut options, "Wind", Values::Grid(grid([2, 1, 2], from, [9.0, 2.0, 6.0], Value::Vec3)));
     bound(&mut options, "Kind", Values::Grid(grid([3, 2, 1], from, to, |p| Value::Int(kind(p)))));
     let check = |name: &str, word: &Word| {
         assert_eq!(word.modules.len(), 32);

@@ -49,6 +49,17 @@ pub struct Cpu<'a> {
     attributes: Vec<u32>,
 }
 
+/// One sweep of the passes over a chunk.
+#[derive(Clone, Copy)]
+struct Sweep<'c> {
+    id: StageId,
+    clock: Clock,
+    chunk: &'c Chunk,
+    room: u64,
+    /// What another backend measured and matched, to be done again with it.
+    replayed: Option<&'c Trace>,
+}
+
 /// Columns that live for one sweep, kept for the next.
 #[derive(Default)]
 struct Columns {
@@ -83,15 +94,12 @@ impl<'a> Cpu<'a> {
 
     fn sweep(
         &mut self,
-        id: StageId,
+        sweep: Sweep,
         environment: &[u32],
         columns: &mut Columns,
         attributes: &mut Vec<u32>,
-        clock: Clock,
-        chunk: &Chunk,
-        room: u64,
-        replayed: Option<&Trace>,
     ) -> Outcome<Chunk> {
+        let Sweep { id, clock, chunk, room, replayed } = sweep;
         let stage: &Stage = id.of(self.plan);
         let layout = self.plan.tables.layout;
         let n = chunk.len;
@@ -273,20 +281,13 @@ impl Backend for Cpu<'_> {
     }
 
     fn step(&mut self, id: StageId, clock: Clock, chunk: &Chunk, room: u64) -> Result<Outcome<Chunk>, Error> {
-        Ok(self.step_as(id, clock, chunk, room, None))
+        Ok(self.step_as(Sweep { id, clock, chunk, room, replayed: None }))
     }
 }
 
 impl Cpu<'_> {
-    /// A sweep, or one that is done again with what another backend measured and matched.
-    fn step_as(
-        &mut self,
-        id: StageId,
-        clock: Clock,
-        chunk: &Chunk,
-        room: u64,
-        replayed: Option<&Trace>,
-    ) -> Outcome<Chunk> {
+    fn step_as(&mut self, sweep: Sweep) -> Outcome<Chunk> {
+        let id = sweep.id;
         let environment = match self.environments.remove(&id) {
             Some(environment) => environment,
             None => self.plan.environment(id.of(self.plan), &self.uniforms, &self.given),
@@ -295,8 +296,7 @@ impl Cpu<'_> {
         let mut attributes = std::mem::take(&mut self.attributes);
         columns.clear();
         attributes.clear();
-        let outcome =
-            self.sweep(id, &environment, &mut columns, &mut attributes, clock, chunk, room, replayed);
+        let outcome = self.sweep(sweep, &environment, &mut columns, &mut attributes);
         if let Some(trace) = &mut self.trace {
             *trace = Trace {
                 attributes: attributes.clone(),
@@ -331,7 +331,7 @@ impl Replay for Cpu<'_> {
         room: u64,
         trace: &Trace,
     ) -> Result<Outcome<Chunk>, Error> {
-        Ok(self.step_as(stage, clock, chunk, room, Some(trace)))
+        Ok(self.step_as(Sweep { id: stage, clock, chunk, room, replayed: Some(trace) }))
     }
     fn environment(&self, stage: StageId) -> Vec<u32> {
         self.plan.environment(stage.of(self.plan), &self.uniforms, &self.given)

@@ -83,7 +83,7 @@ pub enum PairError<L, R> {
     #[error(transparent)]
     Right(R),
     #[error(transparent)]
-    Difference(Difference),
+    Difference(Box<Difference>),
 }
 
 /// Two backends as one: it does everything on both and compares.
@@ -140,7 +140,7 @@ impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
             Some(index) => index,
         };
         let text = |column: &[T]| column.get(index).map_or("missing".to_string(), |v| show(*v));
-        Err(PairError::Difference(Difference {
+        Err(PairError::Difference(Box::new(Difference {
             pass,
             sweep: self.sweeps,
             place: place(index),
@@ -148,7 +148,7 @@ impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
             right: text(right),
             left_name: self.names[0],
             right_name: self.names[1],
-        }))
+        })))
     }
 
     /// Records and nets, to the bit.
