@@ -20,7 +20,7 @@
 //! ```
 //!
 //! What must agree: rules, counts, offsets, nets, addresses, integers and random numbers to the bit;
-//! float parameters within [`ROUNDING`](crate::plan::compare::ROUNDING); elementary functions within the
+//! what comes of floats within the [bound](crate::plan::bound) of its expression; elementary functions within the
 //! bounds of [`elementary::FUNCTIONS`]. WGSL promises no more than that, even of `+`.
 //!
 //! The systems are the examples of this crate, some written for the corners of a step, and a frozen

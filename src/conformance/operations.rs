@@ -6,11 +6,11 @@ use crate::cpu::Cpu;
 use crate::gpu::{Engine, Gpu};
 use crate::language::ops::{Row, TABLE};
 use crate::language::{System, Type, Value};
-use crate::plan::Plan;
-use crate::plan::compare::ROUNDING;
+use crate::plan::bound::{self, Known};
 use crate::plan::derive::{Backend, Outcome, StageId};
 use crate::plan::layout::Header;
 use crate::plan::step::Clock;
+use crate::plan::{Given, Plan};
 use std::fmt::Write;
 
 /// Expressions over the parameters of a module, as a system of one rule.
@@ -46,6 +46,21 @@ impl Expressions {
         }
     }
 
+    /// The records of modules of these parameters.
+    fn records(&self, modules: &[Vec<Value>]) -> Vec<u32> {
+        let tables = &self.plan.tables;
+        let words = tables.layout.record_words;
+        let mut records = vec![0; modules.len() * words];
+        for (n, (record, values)) in records.chunks_exact_mut(words).zip(modules).enumerate() {
+            Header { root: n as u32, ..Header::default() }.write(record);
+            for (value, &at) in values.iter().zip(&tables.symbols[0].words) {
+                let words = value.words();
+                record[at..at + words.len()].copy_from_slice(&words);
+            }
+        }
+        records
+    }
+
     /// The values of all expressions for each module of these parameters.
     fn evaluate<B: Backend>(
         &self,
@@ -55,14 +70,7 @@ impl Expressions {
     ) -> Result<Vec<Vec<Value>>, B::Error> {
         let tables = &self.plan.tables;
         let layout = tables.layout;
-        let mut records = vec![0; modules.len() * layout.record_words];
-        for (n, (record, values)) in records.chunks_exact_mut(layout.record_words).zip(modules).enumerate() {
-            Header { root: n as u32, ..Header::default() }.write(record);
-            for (value, &at) in values.iter().zip(&tables.symbols[0].words) {
-                let words = value.words();
-                record[at..at + words.len()].copy_from_slice(&words);
-            }
-        }
+        let records = self.records(modules);
         let nets = vec![[0.0; 4]; modules.len() * layout.net_points()];
         let chunk = backend.upload(records, nets)?;
         let outcome = backend.step(StageId { rule_set: 0, stage: 0 }, clock, &chunk, u64::MAX)?;
@@ -94,7 +102,24 @@ impl Expressions {
             let what = format!("emit: {} modules on the CPU and {} on the GPU", cpu.len(), gpu.len());
             return Err(Trouble::Differs(what));
         }
-        Ok(Both { cpu, gpu })
+        Ok(Both { cpu, gpu, known: self.known(clock, modules) })
+    }
+
+    /// For each module and expression, what each word may be on another machine.
+    fn known(&self, clock: Clock, modules: &[Vec<Value>]) -> Vec<Vec<Vec<Known>>> {
+        let tables = &self.plan.tables;
+        let stage = &tables.rule_sets[0].stages[0];
+        let environment = self.plan.environment(stage, &[], &Given::default());
+        let code = &stage.code.children[0];
+        let of_module = |record: &[u32]| {
+            let (environment, given, measured, spread) = (environment.as_slice(), &[][..], &[][..], &[][..]);
+            let module = bound::Module { record, environment, given, measured, spread, clock };
+            let nodes = bound::evaluate(&code.graph, &module);
+            // The words of the results stand in their order.
+            let mut words = code.args[0].iter().map(|&(node, _)| nodes[node]);
+            self.list.iter().map(|(_, ty)| words.by_ref().take(ty.words()).collect()).collect()
+        };
+        self.records(modules).chunks_exact(tables.layout.record_words).map(of_module).collect()
     }
 }
 
@@ -102,6 +127,8 @@ impl Expressions {
 pub struct Both {
     pub cpu: Vec<Vec<Value>>,
     pub gpu: Vec<Vec<Value>>,
+    /// What each of their words may be elsewhere.
+    known: Vec<Vec<Vec<Known>>>,
 }
 
 const INTS: [i32; 16] =
@@ -245,36 +272,16 @@ fn named(row: &Row) -> bool {
     !row.name.ends_with('#') && !row.name.ends_with(" *")
 }
 
-/// What sums of products cancel against: compilers of shaders may fuse and reorder them.
-fn magnitude(row: &Row, args: &[&Value]) -> f32 {
-    let size = |v: &Value| match v {
-        Value::Bool(_) | Value::Int(_) => 0.0,
-        v => v.words().into_iter().map(|w| f32::from_bits(w).abs()).sum::<f32>(),
-    };
-    match row.name {
-        "sin" | "cos" | "tan" | "noise" | "log" | "log2" | "asin" | "acos" | "atan2" => 1.0,
-        "%" => args.iter().map(|v| size(v)).sum(),
-        "dot" | "cross" | "distance" | "rotate" | "mix" | "smoothstep" => {
-            args.iter().map(|v| 1.0 + size(v)).product()
+/// How far apart two values are as a part of what is allowed.
+fn distance(known: &[Known], cpu: &Value, gpu: &Value) -> f32 {
+    let apart = known.iter().zip(cpu.words()).zip(gpu.words()).map(|((known, a), b)| match *known {
+        _ if a == b => 0.0,
+        Known::Near { radius, .. } => {
+            let apart = (f32::from_bits(a) - f32::from_bits(b)).abs();
+            // Equal but for the sign of zero.
+            if apart == 0.0 { 0.0 } else { apart / radius }
         }
-        _ => 0.0,
-    }
-}
-
-/// How far apart two values are as a part of what is allowed: [`ROUNDING`] of the greater and 16 roundings
-/// of what cancels. Ints and bools are equal or infinitely far apart.
-fn distance(cpu: &Value, gpu: &Value, cancels: f32) -> f32 {
-    let exact = matches!(cpu, Value::Int(_) | Value::Bool(_));
-    let apart = cpu.words().into_iter().zip(gpu.words()).map(|(a, b)| {
-        let (x, y) = (f32::from_bits(a), f32::from_bits(b));
-        let apart = (x - y).abs();
-        if a == b || !exact && apart == 0.0 {
-            0.0
-        } else if exact || !apart.is_finite() {
-            f32::INFINITY
-        } else {
-            apart / (ROUNDING * x.abs().max(y.abs()) + 16.0 * f32::EPSILON * cancels)
-        }
+        Known::Exact(_) | Known::Any => f32::INFINITY,
     });
     apart.fold(0.0, f32::max)
 }
@@ -305,7 +312,7 @@ fn compare(
             for (k, row) in batch.iter().enumerate() {
                 let place = |name: &str| fields.iter().position(|f| f.0 == name).unwrap_or(0);
                 let args: Vec<&Value> = calls[k].1.iter().map(|name| &modules[n][place(name)]).collect();
-                let apart = distance(&cpu[k], &gpu[k], magnitude(row, &args));
+                let apart = distance(&both.known[n][k], &cpu[k], &gpu[k]);
                 if apart.is_nan() || apart > 1.0 {
                     let mut what = format!("emit, {row}: `{}` with", calls[k].0);
                     for (name, value) in calls[k].1.iter().zip(&args) {
