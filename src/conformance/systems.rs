@@ -23,8 +23,11 @@ pub struct Subject {
     /// The derivation is refused at this step, since an address would not fit.
     pub too_deep: Option<u32>,
     /// What the host gives: values for its queries, and a view.
-    pub given: Option<fn() -> (Vec<(String, Values)>, View)>,
+    pub given: Option<fn() -> Gifts>,
 }
+
+/// Values by query, and a view.
+pub type Gifts = (Vec<(String, Values)>, View);
 
 /// What all files of an axiom hold.
 #[derive(Clone, Copy, Debug)]
@@ -92,7 +95,7 @@ pub const WRITTEN: &[Subject] = &[
 ];
 
 /// Values for the queries of `measures`, and a viewer in the midst of its nets.
-fn given() -> (Vec<(String, Values)>, View) {
+fn given() -> Gifts {
     let number = |n: u32| Value::Float((n * 37 % 11) as f32);
     let heat = Values::Roots((0..3).map(number).collect());
     let (from, to) = ([-9.0; 3], [9.0; 3]);
