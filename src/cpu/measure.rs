@@ -9,9 +9,11 @@ use crate::plan::measure::Row;
 use glam::Vec4;
 use rayon::prelude::*;
 
-/// The net of one module, and the view.
+/// The net of one module, and what is the same for all.
 struct Measured<'a> {
     columns: usize,
+    /// The parameters of rows and of columns, from 0 to 1.
+    parameters: &'a [Vec<f32>; 2],
     /// As they stand in memory.
     homogeneous: &'a [[f32; 4]],
     /// In space: divided by their weights where the net is rational.
@@ -23,35 +25,33 @@ struct Measured<'a> {
 /// Fills `out`, a row of words a module. `view` is where the environment holds the view.
 pub fn measure(row: &Row, input: &Input, nets: &[[f32; 4]], rational: bool, view: usize, out: &mut [u32]) {
     let n = input.layout.net_points();
-    let degree = input.layout.degree;
-    let [centroid, flatness, bend_u, bend_v, area, bbox_px, area_px, uv] = row.places;
+    let spread = |degree: u8| -> Vec<f32> { (0..=degree).map(|i| i as f32 / degree as f32).collect() };
+    let parameters = input.layout.degree.map(spread);
+    let columns = parameters[1].len();
     let view = &input.environment[view..];
     out.par_chunks_mut(BLOCK * row.words).enumerate().for_each(|(block, out)| {
         let start = block * BLOCK;
         let mut points = vec![Vec4::ZERO; n];
+        let mut pixels = vec![Vec4::ZERO; n];
         for (i, out) in out.chunks_exact_mut(row.words).enumerate() {
             let homogeneous = &nets[(start + i) * n..][..n];
-            for (p, h) in points.iter_mut().zip(homogeneous) {
-                let h = Vec4::from_array(*h);
-                *p = if rational { h / h.w } else { h };
-            }
-            let columns = degree[1] as usize + 1;
-            let net = Measured { columns, homogeneous, points: &points, view };
-            let mut put = |place: Option<usize>, values: &dyn Fn() -> Vec<f32>| {
-                if let Some(at) = place {
-                    values().into_iter().enumerate().for_each(|(k, x)| out[at + k] = x.to_bits());
+            if row.reads_nets() {
+                for (p, h) in points.iter_mut().zip(homogeneous) {
+                    let h = Vec4::from_array(*h);
+                    *p = if rational { h / h.w } else { h };
                 }
-            };
-            put(centroid, &|| net.centroid()[..3].to_vec());
-            put(flatness, &|| vec![net.flatness()]);
-            put(bend_u, &|| vec![net.bend(columns)]);
-            put(bend_v, &|| vec![net.bend(1)]);
-            put(area, &|| vec![net.area()]);
-            put(bbox_px, &|| vec![net.bbox_px()]);
-            put(area_px, &|| vec![net.area_px()]);
-            put(uv, &|| centre(&Header::read(input.record(start + i))).to_vec());
+            }
+            let net = Measured { columns, parameters: &parameters, homogeneous, points: &points, view };
+            net.fill(row, &mut pixels, out);
+            if let Some(at) = row.place("uv") {
+                put(out, at, &centre(&Header::read(input.record(start + i))));
+            }
         }
     });
+}
+
+fn put(out: &mut [u32], at: usize, values: &[f32]) {
+    out[at..].iter_mut().zip(values).for_each(|(word, x)| *word = x.to_bits());
 }
 
 /// The centre of the module's cell in its root's square.
@@ -66,6 +66,35 @@ fn square(d: Vec4) -> f32 {
 }
 
 impl Measured<'_> {
+    /// All that is read of the net; `pixels` is room for its points on the screen.
+    fn fill(&self, row: &Row, pixels: &mut [Vec4], out: &mut [u32]) {
+        let [centroid, flatness, bend_u, bend_v, area, bbox_px, area_px, _] = row.places;
+        if let Some(at) = centroid {
+            put(out, at, &self.centroid()[..3]);
+        }
+        if let Some(at) = flatness {
+            put(out, at, &[self.flatness()]);
+        }
+        if let Some(at) = bend_u {
+            put(out, at, &[self.bend(self.columns)]);
+        }
+        if let Some(at) = bend_v {
+            put(out, at, &[self.bend(1)]);
+        }
+        if let Some(at) = area {
+            put(out, at, &[self.area()]);
+        }
+        if bbox_px.or(area_px).is_some() {
+            let known = self.project(pixels);
+            if let Some(at) = bbox_px {
+                put(out, at, &[known.unwrap_or_else(|| bbox_px_of(pixels))]);
+            }
+            if let Some(at) = area_px {
+                put(out, at, &[known.unwrap_or_else(|| self.area_px(pixels))]);
+            }
+        }
+    }
+
     fn rows(&self) -> usize {
         self.points.len() / self.columns
     }
@@ -82,11 +111,10 @@ impl Measured<'_> {
         let corner = |i: usize, j: usize| self.points[i * self.columns + j];
         let (c00, c01, c10, c11) = (corner(0, 0), corner(0, n), corner(m, 0), corner(m, n));
         let mut greatest = 0f32;
-        for (i, row) in self.points.chunks_exact(self.columns).enumerate() {
-            let u = i as f32 / m as f32;
+        let [us, vs] = self.parameters;
+        for (row, &u) in self.points.chunks_exact(self.columns).zip(us) {
             let (left, right) = (c00 + (c10 - c00) * u, c01 + (c11 - c01) * u);
-            for (j, &p) in row.iter().enumerate() {
-                let v = j as f32 / n as f32;
+            for (&p, &v) in row.iter().zip(vs) {
                 greatest = greatest.max(square(p - (left + (right - left) * v)));
             }
         }
@@ -136,38 +164,33 @@ impl Measured<'_> {
 
     /// The points on the screen, in pixels; or how large the net is there, where that is known
     /// without: nothing behind the eye, and beyond all bounds where it reaches through its plane.
-    fn pixels(&self) -> Result<Vec<Vec4>, f32> {
+    fn project(&self, pixels: &mut [Vec4]) -> Option<f32> {
         let half = |at: usize| f32::from_bits(self.view[at]) * 0.5;
         let scale = Vec4::new(half(16), half(17), 0.0, 0.0);
-        let clip: Vec<Vec4> = (0..self.points.len()).map(|k| self.clip(k)).collect();
-        match clip.iter().filter(|c| c.w > 0.0).count() {
-            0 => Err(0.0),
-            n if n < clip.len() => Err(f32::MAX),
-            _ => Ok(clip.into_iter().map(|c| c / c.w * scale).collect()),
+        let mut before = 0;
+        for (k, pixel) in pixels.iter_mut().enumerate() {
+            let clip = self.clip(k);
+            before += usize::from(clip.w > 0.0);
+            *pixel = clip / clip.w * scale;
         }
-    }
-
-    /// Greater side of the net's box on the screen.
-    fn bbox_px(&self) -> f32 {
-        match self.pixels() {
-            Err(known) => known,
-            Ok(pixels) => {
-                let least = pixels.iter().copied().reduce(Vec4::min).unwrap_or(Vec4::ZERO);
-                let greatest = pixels.iter().copied().reduce(Vec4::max).unwrap_or(Vec4::ZERO);
-                (greatest.x - least.x).max(greatest.y - least.y)
-            }
+        match before {
+            0 => Some(0.0),
+            n if n < pixels.len() => Some(f32::MAX),
+            _ => None,
         }
     }
 
     /// Areas of the net's quads on the screen, summed.
-    fn area_px(&self) -> f32 {
-        match self.pixels() {
-            Err(known) => known,
-            Ok(pixels) => {
-                let mut sum = 0f32;
-                self.quads(|k| pixels[k], |a, b| sum += (a.x * b.y - a.y * b.x).abs());
-                sum * 0.5
-            }
-        }
+    fn area_px(&self, pixels: &[Vec4]) -> f32 {
+        let mut sum = 0f32;
+        self.quads(|k| pixels[k], |a, b| sum += (a.x * b.y - a.y * b.x).abs());
+        sum * 0.5
     }
+}
+
+/// Greater side of the points' box on the screen.
+fn bbox_px_of(pixels: &[Vec4]) -> f32 {
+    let least = pixels.iter().copied().reduce(Vec4::min).unwrap_or(Vec4::ZERO);
+    let greatest = pixels.iter().copied().reduce(Vec4::max).unwrap_or(Vec4::ZERO);
+    (greatest.x - least.x).max(greatest.y - least.y)
 }
