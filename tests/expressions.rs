@@ -2,19 +2,24 @@
 //! functions against f64; the hash behind random numbers, frozen.
 
 use crate::device;
-use crate::oracle::Random;
+use crate::oracle::expression::{Constants, Declaration, Scope, evaluate};
+use crate::oracle::value::Value as OracleValue;
+use crate::oracle::{self, Random};
 use crate::parity::system;
 use burgeon::conformance::elementary::FUNCTIONS;
 use burgeon::conformance::systems::WRITTEN;
 use burgeon::cpu::Cpu;
 use burgeon::gpu::Gpu;
-use burgeon::language::Type;
 use burgeon::language::elementary;
 use burgeon::language::ops::TABLE;
+use burgeon::language::syntax::{AxiomKind, Element, FileItem, Item, Start, Successor};
+use burgeon::language::{System, Type, Value};
 use burgeon::patch::{Axiom, Net, Word};
+use burgeon::plan::bound::{self, Known};
 use burgeon::plan::compare::Pair;
 use burgeon::plan::derive::{Backend, collect, derive};
-use burgeon::plan::{Options, Plan};
+use burgeon::plan::step::Clock;
+use burgeon::plan::{Given, Options, Plan};
 use std::fmt::Debug;
 
 const INTS: [&str; 8] = ["-2147483648", "2147483647", "0", "-1", "7", "46341", "-65536", "1"];
@@ -127,6 +132,107 @@ fn random_expressions_are_alike_on_cpu_and_gpu() {
             }
         }
     }
+}
+
+/// The values of a text's axiom and of its rule's arguments in f64, by the oracle.
+fn truth(text: &str) -> Vec<Vec<OracleValue>> {
+    let file = oracle::parse(text);
+    let FileItem::System(system) = &file.items[0] else { panic!("a system") };
+    let list = system.items.iter().find_map(|i| if let Item::Const(c) = i { Some(c) } else { None });
+    let none = Constants::default();
+    let constants = none.extended(&[Declaration::Const(list.expect("a list"))], &[]);
+    let attributes = |name: &str| matches!(name, "level" | "step").then_some(OracleValue::Int(0));
+    let starts = system.items.iter().find_map(|item| match item {
+        Item::Axiom(axiom) => match &axiom.kind {
+            AxiomKind::Starts(starts) => Some(starts),
+            _ => None,
+        },
+        _ => None,
+    });
+    let rule = system.items.iter().find_map(|i| if let Item::Rules(r) = i { r.rules.first() } else { None });
+    let Successor::Word(word) = &rule.expect("a rule").alternatives[0].successor else { panic!("a word") };
+    let [Element::Module(successor)] = word.as_slice() else { panic!("a module") };
+    let of_start = |start: &Start| {
+        let free = Scope { bound: Vec::new(), constants: &constants, attributes: &attributes };
+        let names = ["a", "b", "f", "x", "y", "p"].iter().map(|n| n.to_string());
+        let types = ["int", "int", "bool", "float", "float", "vec3"];
+        let args = start.module.args.iter().flatten().zip(types);
+        // What f32 makes of a numeral is where both begin.
+        let rounded = |value: OracleValue| match value {
+            OracleValue::Float(x) => OracleValue::Float((x as f32).into()),
+            OracleValue::Vector(v) => OracleValue::Vector(v.iter().map(|x| (*x as f32).into()).collect()),
+            other => other,
+        };
+        let values = args.map(|(arg, ty)| rounded(evaluate(arg, &free).coerce(ty)));
+        let scope =
+            Scope { bound: names.zip(values).collect(), constants: &constants, attributes: &attributes };
+        successor.args.iter().flatten().map(|arg| evaluate(arg, &scope).settle()).collect()
+    };
+    starts.expect("an axiom").iter().map(of_start).collect()
+}
+
+#[test]
+fn random_expressions_are_near_the_oracle() {
+    let (mut near, mut seeds) = (0, 0);
+    for seed in 0..400 {
+        // Numerals that f32 holds: what rounding makes of others is no difference between machines.
+        let dyadic = [("0.1", "0.125"), ("-1/3", "-3/8"), ("0.7", "0.75"), ("0.3", "0.25")];
+        let text = dyadic.iter().fold(text(seed), |text, (from, to)| text.replace(from, to));
+        // The oracle knows no noise; a constant without a value is refused.
+        if text.contains("noise") || System::parse(&text).is_err() {
+            continue;
+        }
+        seeds += 1;
+        let (plan, axiom) = job(&text);
+        let word = word(&plan, &axiom, 1, &mut Cpu::new(&plan, &[], 2).expect("threads"));
+        let stage = &plan.tables.rule_sets[0].stages[0];
+        let environment = plan.environment(stage, &[], &Given::default());
+        let (records, _) = plan.axiom(&axiom, &[]).expect("the axiom");
+        let code = &stage.code.children[0];
+        let truth = truth(&text);
+        for (n, record) in records.chunks_exact(plan.tables.layout.record_words).enumerate() {
+            let (given, measured, spread) = (&[][..], &[][..], &[][..]);
+            let environment = environment.as_slice();
+            let module =
+                bound::Module { record, environment, given, measured, spread, clock: Clock::default() };
+            let nodes = bound::evaluate(&code.graph, &module);
+            let mut known = code.args[0].iter().map(|a| nodes[a.0]);
+            for (field, (value, truth)) in word.modules[n].params.iter().zip(&truth[n]).enumerate() {
+                let truths: Vec<f64> = match truth {
+                    OracleValue::Vector(v) => v.clone(),
+                    OracleValue::Bool(b) => vec![f64::from(*b)],
+                    OracleValue::Int(i) => vec![f64::from(*i)],
+                    number => vec![number.clone().float()],
+                };
+                for (own, truth) in value.words().into_iter().zip(truths) {
+                    let known = known.next().expect("a word");
+                    let right = match (value, known) {
+                        // WGSL leaves open what NaN compares as, and what lies beyond f32 is what its
+                        // overflow makes of it.
+                        _ if truth.is_nan() || truth.abs() > 1e36 => continue,
+                        (_, Known::Any) => continue,
+                        (_, Known::Near { radius: f32::INFINITY, .. }) => continue,
+                        (Value::Int(i), _) => f64::from(*i) == truth,
+                        (Value::Bool(b), _) => f64::from(*b) == truth,
+                        (_, Known::Near { value, radius }) => {
+                            (f64::from(value) - truth).abs() <= f64::from(radius) + 1e-36
+                        }
+                        // The same everywhere, since the host has worked it out: in f32.
+                        (_, Known::Exact(_)) => {
+                            let (own, size) = (f64::from(f32::from_bits(own)), truth.abs().max(1.0));
+                            own == truth || (own - truth).abs() <= 4.0 * f64::from(f32::EPSILON) * size
+                        }
+                    };
+                    near += 1;
+                    assert!(
+                        right,
+                        "seed {seed}, module {n}, field {field}: {value:?}, {known:?}, in truth {truth}\n{text}"
+                    );
+                }
+            }
+        }
+    }
+    assert!(seeds > 200 && near > 20_000, "{seeds} systems, {near} values");
 }
 
 #[test]

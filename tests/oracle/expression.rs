@@ -165,8 +165,12 @@ fn binary(op: BinaryOp, a: Value, b: Value) -> Value {
     }
 }
 
-/// The functions that patch systems need. Anything else stops the oracle: better no answer than a guess.
+/// The functions of the reference, but for `noise`, which is no more than its own text. Anything else
+/// stops the oracle: better no answer than a guess.
 fn call(name: &str, args: Vec<Value>) -> Value {
+    if args.iter().any(|a| matches!(a, Value::Vector(_))) {
+        return vector_call(name, args);
+    }
     let count = args.len();
     let mut args = args.into_iter();
     let mut next = || args.next().expect("too few arguments");
@@ -193,22 +197,109 @@ fn call(name: &str, args: Vec<Value>) -> Value {
         ("int", 1) => match next() {
             Value::Bool(b) => Value::Int(b as i32),
             Value::Int(i) => Value::Int(i),
-            x => Value::Int(x.float() as i32),
+            x => Value::Int(x.float().clamp(-2147483648.0, 2147483520.0) as i32),
         },
-        ("float", 1) => Value::Float(next().float()),
-        ("floor", 1) => Value::Float(next().float().floor()),
-        ("ceil", 1) => Value::Float(next().float().ceil()),
-        ("sqrt", 1) => Value::Float(next().float().sqrt()),
-        ("sin", 1) => Value::Float(next().float().sin()),
-        ("cos", 1) => Value::Float(next().float().cos()),
-        ("length", 1) => Value::Float(length(&next().vector())),
-        ("distance", 2) => Value::Float(length(&next().arithmetic('-', next()).vector())),
-        ("dot", 2) => {
-            let products = next().arithmetic('*', next()).vector();
-            Value::Float(products.into_iter().sum())
+        ("float", 1) => match next() {
+            Value::Bool(b) => Value::Float(f64::from(b)),
+            x => Value::Float(x.float()),
+        },
+        _ => {
+            let numbers: Vec<f64> = args.map(Value::float).collect();
+            let known = number_call(name, &numbers);
+            Value::Float(known.unwrap_or_else(|| panic!("the oracle does not know `{name}` of {count}")))
         }
-        _ => panic!("the oracle does not know `{name}` of {count}"),
     }
+}
+
+/// Functions of floats.
+fn number_call(name: &str, args: &[f64]) -> Option<f64> {
+    Some(match (name, args) {
+        ("floor", [x]) => x.floor(),
+        ("ceil", [x]) => x.ceil(),
+        ("round", [x]) => x.round_ties_even(),
+        ("trunc", [x]) => x.trunc(),
+        ("fract", [x]) => x - x.floor(),
+        ("sqrt", [x]) => x.sqrt(),
+        // Clamped to what f32 holds.
+        ("exp", [x]) => x.clamp(-87.0, 88.0).exp(),
+        ("exp2", [x]) => x.clamp(-126.0, 127.0).exp2(),
+        // Where there is none, the least float.
+        ("log" | "log2", [x]) if *x <= 0.0 => f32::MIN.into(),
+        ("log", [x]) => x.ln(),
+        ("log2", [x]) => x.log2(),
+        ("pow", [_, 0.0]) => 1.0,
+        ("pow", [x, y]) => x.max(0.0).powf(*y) * f64::from(*x > 0.0),
+        ("sin", [x]) => x.sin(),
+        ("cos", [x]) => x.cos(),
+        ("tan", [x]) => x.tan(),
+        ("asin", [x]) => x.clamp(-1.0, 1.0).asin(),
+        ("acos", [x]) => x.clamp(-1.0, 1.0).acos(),
+        ("atan", [x]) => x.atan(),
+        ("atan2", [y, x]) => y.atan2(*x),
+        ("radians", [x]) => x.to_radians(),
+        ("degrees", [x]) => x.to_degrees(),
+        ("step", [edge, x]) => f64::from(*x >= *edge),
+        ("mix", [a, b, t]) => a + (b - a) * t,
+        ("smoothstep", [low, high, x]) => {
+            let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
+            t * t * (3.0 - 2.0 * t)
+        }
+        ("abs", [x]) => x.abs(),
+        ("sign", [x]) => f64::from(*x > 0.0) - f64::from(*x < 0.0),
+        ("min", [a, b]) => a.min(*b),
+        ("max", [a, b]) => a.max(*b),
+        ("clamp", [x, low, high]) => x.max(*low).min(*high),
+        _ => return None,
+    })
+}
+
+/// Functions of vectors; most go by components.
+fn vector_call(name: &str, args: Vec<Value>) -> Value {
+    let part = |value: &Value, axis: usize| match value {
+        Value::Vector(v) => v[axis],
+        number => number.clone().float(),
+    };
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+    match (name, args.as_slice()) {
+        ("if", [condition, a, b]) => {
+            if condition.clone().bool() {
+                a.clone()
+            } else {
+                b.clone()
+            }
+        }
+        ("length", [Value::Vector(v)]) => Value::Float(length(v)),
+        ("distance", [a, b]) => Value::Float(length(&a.clone().arithmetic('-', b.clone()).vector())),
+        ("dot", [Value::Vector(a), Value::Vector(b)]) => Value::Float(dot(a, b)),
+        ("normalize", [Value::Vector(v)]) => Value::Vector(v.iter().map(|x| x / length(v)).collect()),
+        ("cross", [Value::Vector(a), Value::Vector(b)]) if a.len() == 2 => {
+            Value::Float(a[0] * b[1] - a[1] * b[0])
+        }
+        ("cross", [Value::Vector(a), Value::Vector(b)]) => Value::Vector(cross(a, b).to_vec()),
+        ("rotate", [Value::Vector(v), angle]) => {
+            let (sin, cos) = angle.clone().float().to_radians().sin_cos();
+            Value::Vector(vec![v[0] * cos - v[1] * sin, v[0] * sin + v[1] * cos])
+        }
+        ("rotate", [Value::Vector(v), Value::Vector(axis), angle]) => {
+            let (sin, cos) = angle.clone().float().to_radians().sin_cos();
+            let k: Vec<f64> = axis.iter().map(|x| x / length(axis)).collect();
+            let (side, along) = (cross(&k, v), dot(&k, v));
+            let turned = |i: usize| v[i] * cos + side[i] * sin + k[i] * along * (1.0 - cos);
+            Value::Vector([0, 1, 2].map(turned).to_vec())
+        }
+        _ => {
+            let axes = args.iter().map(|a| if let Value::Vector(v) = a { v.len() } else { 0 }).max();
+            let component = |axis: usize| {
+                let numbers: Vec<f64> = args.iter().map(|a| part(a, axis)).collect();
+                number_call(name, &numbers).unwrap_or_else(|| panic!("the oracle does not know `{name}`"))
+            };
+            Value::Vector((0..axes.unwrap_or(0)).map(component).collect())
+        }
+    }
+}
+
+fn cross(a: &[f64], b: &[f64]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 fn sign(order: Ordering) -> Value {

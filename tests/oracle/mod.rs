@@ -10,11 +10,11 @@
 mod attributes;
 mod compare;
 mod derive;
-mod expression;
+pub mod expression;
 mod generate;
 mod halving;
 mod tests;
-mod value;
+pub mod value;
 mod word;
 
 pub use compare::{Tolerance, assert_same, compare, engine_word, lattice_bits};
