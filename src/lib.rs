@@ -5,9 +5,9 @@
 //! What comes out stays in GPU buffers or is read back as a [`Word`](patch::Word) of control nets, ready
 //! to be tessellated.
 //!
-//! **This version derives patch systems of bicubic Bézier nets.** Curve and mesh systems are parsed
-//! and checked in full, but not derived yet; nor are rational nets and other degrees. What is not derived is refused by name
-//! ([`plan::Unsupported`]) before anything runs. The [reference](language#what-this-version-derives)
+//! **This version derives patch systems**: Bézier nets of degrees 1 to 8 each way, polynomial and
+//! rational. Curve and mesh systems are parsed and checked in full, but not derived yet. What is not
+//! derived is refused by name ([`plan::Unsupported`]) before anything runs. The [reference](language#what-this-version-derives)
 //! has the list.
 //!
 //! # A patch, on the CPU
@@ -95,7 +95,7 @@
 //! - Axes are right-handed; in pictures y is up (or z, where asked for). Triangles run
 //!   counter-clockwise seen from the side that the normals point to.
 //! - Points in memory are homogeneous, `[xw, yw, zw, w]`, with w = 1 where a net is not rational.
-//!   Files hold x, y, z and a weight.
+//!   Files, and nets written out in rules, hold x, y, z and a weight.
 //! - uv is the place in the unit square of the root, the net of the axiom that a leaf comes from.
 //! - Words are in the order of the derivation tree, whatever the backend and however the work was cut.
 //! - Angles of the language are degrees in the turtle and in `rotate`, radians in `sin` and its like.

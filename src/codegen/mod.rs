@@ -19,11 +19,15 @@ use crate::plan::tables::{Production, Stage};
 /// How `emit` is laid out over invocations; the bits that come out are the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Mapping {
-    /// An invocation a net, all of it in registers: fewest loads, no barrier. `wgsl/emit.wgsl`.
+    /// An invocation a net, all of it in registers: fewest loads, no barrier. For nets of degrees up
+    /// to 4; others, for which drivers would compile long and spill, are taken by lines. `wgsl/emit.wgsl`.
     NetPerInvocation,
-    /// An invocation a control point, nets in workgroup memory: every access coalesced.
-    /// `wgsl/emit_by_point.wgsl`.
+    /// An invocation a control point, nets in workgroup memory: every access coalesced. For bicubic
+    /// nets; others are taken by lines. `wgsl/emit_by_point.wgsl`.
     PointPerInvocation,
+    /// An invocation a row or column, which it holds in registers; halves in workgroup memory.
+    /// `wgsl/emit_by_line.wgsl`.
+    LinePerInvocation,
 }
 
 impl Mapping {
@@ -32,13 +36,7 @@ impl Mapping {
         match self {
             Mapping::NetPerInvocation => "emit",
             Mapping::PointPerInvocation => "emit_by_point",
-        }
-    }
-    /// Invocations for so many nets of so many points.
-    pub fn invocations(self, nets: u64, points: u64) -> u64 {
-        match self {
-            Mapping::NetPerInvocation => nets,
-            Mapping::PointPerInvocation => nets * points,
+            Mapping::LinePerInvocation => "emit_by_line",
         }
     }
 }
@@ -46,7 +44,8 @@ impl Mapping {
 /// Sizes that a device wants; they change no result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Tuning {
-    /// Invocations a workgroup of `match_modules`, `count`, `emit` and `retire`.
+    /// Invocations a workgroup of `match_modules`, `count`, `emit` and `retire`: a multiple of 16 where
+    /// a mapping shares nets among invocations.
     pub workgroup: u32,
     /// Invocations a workgroup of `scan` and `compact`, a power of two.
     pub scan_workgroup: u32,
@@ -63,10 +62,45 @@ impl Tuning {
     pub const GPU: Tuning =
         Tuning { workgroup: 64, scan_workgroup: 256, scan_items: 32, mapping: Mapping::PointPerInvocation };
 
+    /// How `emit` is laid out for nets of this layout.
+    fn mapping_of(&self, layout: &Layout) -> Mapping {
+        match self.mapping {
+            Mapping::NetPerInvocation if lines(layout) > 5 => Mapping::LinePerInvocation,
+            Mapping::PointPerInvocation if layout.degree != [3, 3] => Mapping::LinePerInvocation,
+            mapping => mapping,
+        }
+    }
+
+    /// Invocations of `emit` for so many nets.
+    pub fn emit_invocations(&self, nets: u64, layout: &Layout) -> u64 {
+        match self.mapping_of(layout) {
+            Mapping::NetPerInvocation => nets,
+            Mapping::PointPerInvocation => nets * layout.net_points() as u64,
+            Mapping::LinePerInvocation => {
+                nets.div_ceil(self.nets_by_line(layout) as u64) * self.workgroup as u64
+            }
+        }
+    }
+
+    /// Nets that a workgroup takes by lines: as many as it has invocations for, and memory for both
+    /// halves of each.
+    fn nets_by_line(&self, layout: &Layout) -> usize {
+        let memory = WORKGROUP_BYTES / (2 * layout.net_bytes() as usize);
+        (self.workgroup as usize / lines(layout)).min(memory).max(1)
+    }
+
     /// Elements of a tile of `scan` and `compact`.
     pub fn tile(&self) -> u32 {
         self.scan_workgroup * self.scan_items
     }
+}
+
+/// Workgroup memory that WebGPU gives.
+const WORKGROUP_BYTES: usize = 16 << 10;
+
+/// Rows or columns, whichever are more.
+fn lines(layout: &Layout) -> usize {
+    layout.degree[0].max(layout.degree[1]) as usize + 1
 }
 
 /// A linked and validated WGSL module.
@@ -132,7 +166,7 @@ pub fn stage_edited(
         measure,
         match_modules: build("match_modules", &constants, match_parts, edit)?,
         count: build("count", &constants, generate::Text::default(), edit)?,
-        emit: build(tuning.mapping.kernel(), &constants, emit_parts, edit)?,
+        emit: build(tuning.mapping_of(&layout).kernel(), &constants, emit_parts, edit)?,
     })
 }
 
@@ -170,10 +204,15 @@ pub fn measures(tuning: &Tuning) -> Result<[Shader; 2], Error> {
 
 fn layout_constants(layout: &Layout, tuning: &Tuning) -> String {
     format!(
-        "const WORKGROUP = {}u;\nconst QUADS = {}u;\nconst POINTS = {}u;\n",
+        "const WORKGROUP = {}u;\nconst QUADS = {}u;\nconst POINTS = {}u;\nconst ROWS = {}u;\nconst COLUMNS = {}u;\n\
+         const LINES = {}u;\nconst NETS = {}u;\n",
         tuning.workgroup,
         layout.record_words / 4,
-        layout.net_points()
+        layout.net_points(),
+        layout.degree[0] + 1,
+        layout.degree[1] + 1,
+        lines(layout),
+        tuning.nets_by_line(layout),
     )
 }
 
@@ -193,9 +232,8 @@ fn stage_constants(plan: &Plan, stage: &Stage, tuning: &Tuning) -> String {
 }
 
 fn measure_constants(plan: &Plan, stage: &Stage) -> String {
-    let [rows, columns] = plan.tables.layout.degree.map(|d| d + 1);
     let mut text = format!(
-        "const ROWS = {rows}u;\nconst COLUMNS = {columns}u;\nconst RATIONAL = {};\n\
+        "const RATIONAL = {};\n\
          const READS_NETS = {};\nconst VIEW = {}u;\n",
         plan.rational(),
         stage.row.reads_nets(),

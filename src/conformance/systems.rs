@@ -257,6 +257,7 @@ impl Trouble {
                 let mapping = match tuning.mapping {
                     Mapping::NetPerInvocation => "a net",
                     Mapping::PointPerInvocation => "a point",
+                    Mapping::LinePerInvocation => "a line",
                 };
                 let size = tuning.workgroup;
                 Trouble::Differs(format!("{what} (workgroups of {size}, {mapping} an invocation)"))

@@ -1,11 +1,14 @@
 //! The children: symbols, parameters, addresses, and nets by midpoints.
 //!
-//! A bicubic 2×2 split reads 256 + 32 bytes and writes 4·(256 + 32), and does 84 midpoints of
-//! 4 components: 0.5 flop a byte, so memory bandwidth bounds it. Sweeps go over rows first (u,
-//! from the left), then over columns (v), always (a + b)·0.5: the same bits as the kernel.
+//! A 2×2 split of a net of (m + 1)(n + 1) points of 16 bytes reads it and a record of 32 bytes once
+//! and writes four times that, and does (n + 1)·m(m + 1)/2 + 2(m + 1)·n(n + 1)/2 midpoints of 4
+//! components: 0.5 flop a byte for bicubic nets, which memory bandwidth bounds, 1.2 for degree 8. Sweeps go
+//! over rows first (u, from the left), then over columns (v), always (a + b)·0.5: the same bits as
+//! the kernels. A sweep is compiled for each degree, so that a line stays in registers.
 
 use super::BLOCK;
 use super::program::{self, Input, Registers};
+use crate::patch::MAX_DEGREE;
 use crate::plan::code::ChildCode;
 use crate::plan::layout::Header;
 use crate::plan::tables::{Production, Stage};
@@ -51,8 +54,11 @@ pub fn emit(
     blocks
         .into_par_iter()
         .map_init(
-            || (0..stage.productions.len()).map(|_| Registers::default()).collect::<Vec<_>>(),
-            |registers, (block, out)| {
+            || {
+                let registers: Vec<_> = stage.productions.iter().map(|_| Registers::default()).collect();
+                (registers, Splitter::new(input.layout.degree))
+            },
+            |(registers, splitter), (block, out)| {
                 let start = block * BLOCK;
                 let block = input.block(block);
                 let nets = &nets[start * points..][..block.len() * points];
@@ -60,7 +66,7 @@ pub fn emit(
                     Some(_) => None,
                     None => Some(&rules[start..][..block.len()]),
                 };
-                emit_block(stage, words_of_rules, &block, nets, rules, registers, out)
+                emit_block(stage, words_of_rules, &block, nets, rules, (registers, splitter), out)
             },
         )
         .reduce(|| true, |a, b| a & b)
@@ -72,7 +78,7 @@ fn emit_block(
     block: &Input,
     nets: &[[f32; 4]],
     rules: Option<&[u32]>,
-    registers: &mut [Registers],
+    (registers, splitter): (&mut [Registers], &mut Splitter),
     out: Output,
 ) -> bool {
     let (words, points) = (block.layout.record_words, block.layout.net_points());
@@ -101,7 +107,7 @@ fn emit_block(
             children.copy_from_slice(record);
         }
         let net = &nets[i * points..][..points];
-        split_net(net, halves, live, &mut out.nets[at * points..][..count * points]);
+        splitter.split(net, halves, live, &mut out.nets[at * points..][..count * points]);
         at += count;
     }
     fits
@@ -131,73 +137,139 @@ fn write_records(
     fits
 }
 
-type Row = [Vec4; 4];
-
 #[inline(always)]
 fn midpoint(a: Vec4, b: Vec4) -> Vec4 {
     (a + b) * 0.5
 }
 
-/// Both halves of a cubic Bézier curve.
+/// Both halves of a Bézier curve of N points. The triangle of midpoints stands in one array: after
+/// each level its first point is the next one of the first half, and at last it is the second half.
 #[inline(always)]
-fn halve(p: Row) -> [Row; 2] {
-    let (ab, bc, cd) = (midpoint(p[0], p[1]), midpoint(p[1], p[2]), midpoint(p[2], p[3]));
-    let (abc, bcd) = (midpoint(ab, bc), midpoint(bc, cd));
-    let middle = midpoint(abc, bcd);
-    [[p[0], ab, abc, middle], [middle, bcd, cd, p[3]]]
+fn halve<const N: usize>(mut p: [Vec4; N]) -> [[Vec4; N]; 2] {
+    let mut first = p;
+    // Written out: of loops in loops the compiler keeps arrays in memory.
+    macro_rules! level {
+        ($level:literal: $($k:literal)*) => {
+            if $level < N {
+                $(if $k + $level < N {
+                    p[$k] = midpoint(p[$k], p[$k + 1]);
+                })*
+                first[$level] = p[0];
+            }
+        };
+    }
+    level!(1: 0 1 2 3 4 5 6 7);
+    level!(2: 0 1 2 3 4 5 6);
+    level!(3: 0 1 2 3 4 5);
+    level!(4: 0 1 2 3 4);
+    level!(5: 0 1 2 3);
+    level!(6: 0 1 2);
+    level!(7: 0 1);
+    level!(8: 0);
+    [first, p]
 }
 
-/// Writes the live children of a bicubic net, row by row (K eq. 3 with reading E1: upper left
-/// L P Lᵀ, upper right L P Rᵀ, lower left R P Lᵀ, lower right R P Rᵀ).
-#[inline]
-fn split_net(net: &[[f32; 4]], halves: u32, live: u32, out: &mut [[f32; 4]]) {
-    if halves == 0 {
-        if live != 0 {
-            out.copy_from_slice(net);
-        }
-        return;
-    }
-    let p: [Row; 4] = std::array::from_fn(|r| std::array::from_fn(|c| Vec4::from_array(net[4 * r + c])));
-    let mut out = out.chunks_exact_mut(16);
-    if halves == 2 {
-        write_rows(&p, 2, live & 3, &mut out);
-        return;
-    }
-    let columns: [[Row; 2]; 4] = std::array::from_fn(|c| halve([p[0][c], p[1][c], p[2][c], p[3][c]]));
-    let half =
-        |hu: usize| -> [Row; 4] { std::array::from_fn(|r| std::array::from_fn(|c| columns[c][hu][r])) };
-    write_rows(&half(0), halves & 2, live & 3, &mut out);
-    write_rows(&half(1), halves & 2, live >> 2, &mut out);
+/// How the points of a net lie: those of a line are `along` apart, the lines `across`.
+#[derive(Clone, Copy)]
+struct Lines {
+    count: usize,
+    along: usize,
+    across: usize,
 }
 
-/// Writes the live ones of the two halves along v, or the rows as they are where v is not halved.
-#[inline(always)]
-fn write_rows(rows: &[Row; 4], halve_v: u32, live: u32, out: &mut std::slice::ChunksExactMut<[f32; 4]>) {
-    let store = |net: &mut [[f32; 4]], r: usize, row: Row| {
-        for c in 0..4 {
-            net[4 * r + c] = row[c].to_array();
-        }
-    };
-    if halve_v == 0 {
-        if live & 1 != 0
-            && let Some(net) = out.next()
-        {
-            (0..4).for_each(|r| store(net, r, rows[r]));
-        }
-        return;
+/// Halves every line of a net.
+type Sweep = fn(&[[f32; 4]], Lines, &mut [[f32; 4]], &mut [[f32; 4]]);
+
+fn sweep<const N: usize>(net: &[[f32; 4]], lines: Lines, first: &mut [[f32; 4]], second: &mut [[f32; 4]]) {
+    let Lines { count, along, across } = lines;
+    for line in 0..count {
+        let start = line * across;
+        let [a, b] = halve::<N>(std::array::from_fn(|k| Vec4::from_array(net[start + k * along])));
+        (0..N).for_each(|k| first[start + k * along] = a[k].to_array());
+        (0..N).for_each(|k| second[start + k * along] = b[k].to_array());
     }
-    let left = if live & 1 != 0 { out.next() } else { None };
-    let right = if live & 2 != 0 { out.next() } else { None };
-    match (left, right) {
-        (Some(left), Some(right)) => {
-            for (r, row) in rows.iter().enumerate() {
-                let [l, h] = halve(*row);
-                store(left, r, l);
-                store(right, r, h);
+}
+
+/// By degree, from 1.
+const SWEEPS: [Sweep; MAX_DEGREE as usize] =
+    [sweep::<2>, sweep::<3>, sweep::<4>, sweep::<5>, sweep::<6>, sweep::<7>, sweep::<8>, sweep::<9>];
+
+/// All four quarters of a small net, which stays in registers.
+type Quarters = fn(&[[f32; 4]], &mut [[f32; 4]]);
+
+fn quarters<const R: usize, const C: usize>(net: &[[f32; 4]], out: &mut [[f32; 4]]) {
+    let columns: [[[Vec4; R]; 2]; C] =
+        std::array::from_fn(|c| halve(std::array::from_fn(|r| Vec4::from_array(net[r * C + c]))));
+    let (upper, lower) = out.split_at_mut(2 * R * C);
+    for (half, out) in [upper, lower].into_iter().enumerate() {
+        let (left, right) = out.split_at_mut(R * C);
+        let (left, right) = (left.as_chunks_mut::<C>().0, right.as_chunks_mut::<C>().0);
+        for (r, (left, right)) in left.iter_mut().zip(right).enumerate() {
+            let [a, b] = halve::<C>(std::array::from_fn(|c| columns[c][half][r]));
+            (*left, *right) = (a.map(|p| p.to_array()), b.map(|p| p.to_array()));
+        }
+    }
+}
+
+/// By degrees from 1, up to bicubic.
+const QUARTERS: [[Quarters; 3]; 3] = [
+    [quarters::<2, 2>, quarters::<2, 3>, quarters::<2, 4>],
+    [quarters::<3, 2>, quarters::<3, 3>, quarters::<3, 4>],
+    [quarters::<4, 2>, quarters::<4, 3>, quarters::<4, 4>],
+];
+
+/// Splits nets of one degree.
+struct Splitter {
+    quarters: Option<Quarters>,
+    sweeps: [Sweep; 2],
+    /// The columns of a net, then its rows.
+    lines: [Lines; 2],
+    /// Both halves along u, where v is halved too, and where cells go that do not live: small enough
+    /// to stay in the first cache.
+    scratch: [Vec<[f32; 4]>; 4],
+}
+
+impl Splitter {
+    fn new([m, n]: [u8; 2]) -> Splitter {
+        let (rows, columns) = (m as usize + 1, n as usize + 1);
+        let down = Lines { count: columns, along: columns, across: 1 };
+        let right = Lines { count: rows, along: 1, across: columns };
+        let small = QUARTERS.get(m as usize - 1).and_then(|row| row.get(n as usize - 1));
+        Splitter {
+            quarters: small.copied(),
+            sweeps: [SWEEPS[m as usize - 1], SWEEPS[n as usize - 1]],
+            lines: [down, right],
+            scratch: [0; 4].map(|_| vec![[0.0; 4]; rows * columns]),
+        }
+    }
+
+    /// Writes the live children of a net one after the other (K eq. 3 with reading E1: upper left
+    /// L P Lᵀ, upper right L P Rᵀ, lower left R P Lᵀ, lower right R P Rᵀ).
+    fn split(&mut self, net: &[[f32; 4]], halves: u32, live: u32, out: &mut [[f32; 4]]) {
+        let ([along_u, along_v], [columns, rows]) = (self.sweeps, self.lines);
+        let [upper, lower, nowhere, nowhere_too] = &mut self.scratch;
+        if let (3, 15, Some(quarters)) = (halves, live, self.quarters) {
+            return quarters(net, out);
+        }
+        let mut out = out.chunks_exact_mut(net.len());
+        let mut cell = |c: u32| if live >> c & 1 != 0 { out.next() } else { None };
+        match halves {
+            0 => {
+                if let Some(out) = cell(0) {
+                    out.copy_from_slice(net);
+                }
+            }
+            1 => along_u(net, columns, cell(0).unwrap_or(nowhere), cell(2).unwrap_or(nowhere_too)),
+            2 => along_v(net, rows, cell(0).unwrap_or(nowhere), cell(1).unwrap_or(nowhere_too)),
+            _ => {
+                along_u(net, columns, upper, lower);
+                for (half, [left, right]) in [(upper, [0, 1]), (lower, [2, 3])] {
+                    if live >> left & 3 != 0 {
+                        let (left, right) = (cell(left), cell(right));
+                        along_v(half, rows, left.unwrap_or(nowhere), right.unwrap_or(nowhere_too));
+                    }
+                }
             }
         }
-        (Some(left), None) => (0..4).for_each(|r| store(left, r, halve(rows[r])[0])),
-        (None, Some(right)) => (0..4).for_each(|r| store(right, r, halve(rows[r])[1])),
-        (None, None) => {}
     }
 }

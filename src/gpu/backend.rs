@@ -352,7 +352,7 @@ impl<'a> Gpu<'a> {
                     status,
                 ];
                 let group = kernels.emit.bind(&self.engine, &bound);
-                let invocations = tuning.mapping.invocations(n, layout.net_points() as u64);
+                let invocations = tuning.emit_invocations(n, &layout);
                 kernels.emit.record(&mut pass, &group, &[kernels::groups(invocations, tuning.workgroup)]);
             }
             if let Some(Target { chunk: finished, capacity, modules }) = finished {

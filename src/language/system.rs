@@ -116,7 +116,7 @@ pub struct PatchStart {
 pub enum PatchSource {
     /// All nets of a file, or the one with this index.
     File { path: String, index: Option<u32>, span: Span },
-    /// Points row by row, `(degree u + 1) × (degree v + 1)`; x, y, z and a weight of 1 where none was written.
+    /// Points row by row, `(degree u + 1) × (degree v + 1)`; x, y, z, not yet multiplied by the weight, and a weight of 1 where none was written.
     Inline { points: Vec<[f32; 4]>, span: Span },
     /// The final word of an earlier system of the file.
     System { name: String, span: Span },

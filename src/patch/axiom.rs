@@ -34,7 +34,8 @@ impl Axiom {
     /// Resolves the sources of a patch system; `read` gives the nets of a file by its name.
     ///
     /// # Errors
-    /// What `read` says; an index beyond the file's patches; no axiom; a source that is a system.
+    /// What `read` says; an index beyond the file's patches; no axiom; a source that is a system; a
+    /// coordinate of a net written out that its weight takes beyond the range of f32.
     pub fn load<E: std::fmt::Display>(
         system: &System,
         read: &mut dyn FnMut(&str) -> Result<Vec<Net>, E>,
@@ -65,7 +66,22 @@ fn nets<E: std::fmt::Display>(
             let system::Kind::Patch { degree, .. } = system.kind else {
                 return wrong(format!("{} is no patch system", system.name), &start.span);
             };
-            Ok(vec![Net { degree, points: points.clone() }])
+            let mut net = Net { degree, points: points.clone() };
+            for (point, p) in net.points.iter_mut().enumerate() {
+                let written = *p;
+                for (axis, x) in p[..3].iter_mut().enumerate() {
+                    // As a reader of files does it: rounded once.
+                    *x = (f64::from(written[axis]) * f64::from(written[3])) as f32;
+                    if !x.is_finite() {
+                        let (name, from, weight) = (["x", "y", "z"][axis], written[axis], written[3]);
+                        let what = format!(
+                            "{name} of point {point} of this net, {from:e}, times its weight, {weight:e}"
+                        );
+                        return wrong(format!("{what}, is beyond the range of 32-bit floats"), &start.span);
+                    }
+                }
+            }
+            Ok(vec![net])
         }
         PatchSource::File { path, index, span } => {
             let mut nets = read(path).map_err(AxiomError::Source)?;

@@ -13,7 +13,7 @@ pub mod values;
 
 pub use axiom::{Axiom, AxiomError, Root};
 pub use evaluate::{NetRef, Parameter, Sample};
-pub use validate::WordError;
+pub use validate::{NetError, WordError};
 pub use values::{Grid, Values};
 
 use crate::language::Value;

@@ -1,6 +1,6 @@
 //! Does a word hold together? Readers and tests ask; the engine never needs to.
 
-use super::{Cell, MAX_DEGREE, Module, Word};
+use super::{Cell, MAX_DEGREE, Module, Net, Word, net_points};
 use crate::language::expr::Type;
 use thiserror::Error;
 
@@ -29,6 +29,70 @@ pub enum WordError {
     NotFinite { module: usize, point: usize, value: [f32; 4] },
     #[error("point {point} of module {module} has the weight {weight}; it must be positive{}", if *.rational { "" } else { ", and 1 in a word that is not rational" })]
     Weight { module: usize, point: usize, weight: f32, rational: bool },
+}
+
+/// The least weight of a net that is rewritten, 2⁻¹⁰⁰.
+///
+/// A midpoint of weights is not below the lesser of the two, so none ever becomes denormal; and what
+/// a GPU flushes to zero of a coordinate, less than 2⁻¹²⁶, moves no point by more than 2⁻²⁶.
+pub const MIN_WEIGHT: f32 = f32::from_bits((127 - 100) << 23);
+
+/// The greatest weight, and coordinate times weight, of a net that is rewritten, 2¹¹¹. A compiler may
+/// put off the halvings of a step, which changes no bit, but then sums 2¹⁶ points of a net of degree 8:
+/// that is still finite.
+pub const MAX_COORDINATE: f32 = f32::from_bits((127 + 111) << 23);
+
+/// Why a net cannot be rewritten; points are counted from 0, row by row.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum NetError {
+    #[error("the degrees {0:?} are not both in 1..=8")]
+    Degree([u8; 2]),
+    #[error("it has {found} points where its degrees ask for {expected}")]
+    Points { found: usize, expected: usize },
+    #[error("point {point} has the weight {weight}; {}", rule(*.rational))]
+    Weight { point: usize, weight: f32, rational: bool },
+    #[error(
+        "point {point} is {value:?}, weight and coordinates times weight; these must lie within ±{MAX_COORDINATE:e}"
+    )]
+    Coordinate { point: usize, value: [f32; 4] },
+}
+
+fn rule(rational: bool) -> String {
+    match rational {
+        true => format!("weights must be positive, from {MIN_WEIGHT:e} to {MAX_COORDINATE:e}"),
+        false => "other weights than 1 need a `rational` system".to_string(),
+    }
+}
+
+impl Net {
+    /// Checks what the rewriting of a net relies on: degrees in 1..=8 and as many points as they ask
+    /// for; weights of 1, or in [`MIN_WEIGHT`]`..=`[`MAX_COORDINATE`] if `rational`; coordinates, which
+    /// are homogeneous here, of at most [`MAX_COORDINATE`]. Then no halving, however often, gives a
+    /// weight that is not positive or a coordinate that is not finite.
+    ///
+    /// # Errors
+    /// The first thing that is wrong.
+    pub fn validate(&self, rational: bool) -> Result<(), NetError> {
+        if !self.degree.iter().all(|d| (1..=MAX_DEGREE).contains(d)) {
+            return Err(NetError::Degree(self.degree));
+        }
+        let (found, expected) = (self.points.len(), net_points(self.degree));
+        if found != expected {
+            return Err(NetError::Points { found, expected });
+        }
+        for (point, &value) in self.points.iter().enumerate() {
+            let weight = value[3];
+            let allowed = if rational { MIN_WEIGHT..=MAX_COORDINATE } else { 1.0..=1.0 };
+            if !allowed.contains(&weight) {
+                return Err(NetError::Weight { point, weight, rational });
+            }
+            // Written so that NaN is beyond it.
+            if !value.iter().all(|x| x.abs() <= MAX_COORDINATE) {
+                return Err(NetError::Coordinate { point, value });
+            }
+        }
+        Ok(())
+    }
 }
 
 impl Word {

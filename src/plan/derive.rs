@@ -391,7 +391,7 @@ fn word(plan: &Plan, layout: &Layout, steps: u32, records: &[u32], nets: Vec<[f3
         steps,
         symbols: visible.map(|s| patch::Symbol { name: s.name.clone(), fields: s.fields.clone() }).collect(),
         degree: layout.degree,
-        rational: false,
+        rational: plan.rational(),
         modules,
         nets,
     }

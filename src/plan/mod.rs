@@ -140,6 +140,10 @@ impl Plan {
     }
 
     /// The word of the axiom as records and nets: each root a module.
+    ///
+    /// # Errors
+    /// [`Error::Axiom`] for a net of another degree, or one that does not hold together
+    /// ([`patch::Net::validate`]); [`Error::Value`] for an argument without a value.
     pub fn axiom(&self, axiom: &patch::Axiom, uniforms: &[Value]) -> Result<derive::Modules, Error> {
         let layout = &self.tables.layout;
         let mut records = Vec::with_capacity(axiom.roots.len() * layout.record_words);
@@ -152,6 +156,10 @@ impl Plan {
                     self.system.name
                 )));
             }
+            start
+                .net
+                .validate(self.rational())
+                .map_err(|e| Error::Axiom(format!("patch {root} of the axiom: {e}")))?;
             let mut record = vec![0u32; layout.record_words];
             layout::Header { symbol: start.symbol as u16, root: root as u32, ..Default::default() }
                 .write(&mut record);

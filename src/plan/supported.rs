@@ -27,16 +27,8 @@ pub fn degree(system: &System) -> Result<[u8; 2], Unsupported> {
     let degree = match system.kind {
         Kind::Curve(_) => return Err(Unsupported::new("curve systems", span)),
         Kind::Mesh => return Err(Unsupported::new("mesh systems", span)),
-        Kind::Patch { rational: true, .. } => return Err(Unsupported::new("`rational` nets", span)),
         Kind::Patch { degree, .. } => degree,
     };
-    if degree != [3, 3] {
-        let [u, v] = degree;
-        return Err(Unsupported::new(
-            format!("nets of degree {u}×{v} (only bicubic ones, `bezier 3`)"),
-            span,
-        ));
-    }
     steps(&system.run)?;
     Ok(degree)
 }

@@ -20,11 +20,3 @@ fn halve(p0: vec4f, p1: vec4f, p2: vec4f, p3: vec4f) -> Halves {
   let bcd = (bc + cd) * 0.5;
   return Halves(p0, ab, abc, (abc + bcd) * 0.5, bcd, cd, p3);
 }
-
-// The halves if `split`, else the points as they are in the first four.
-fn halve_if(split: bool, p0: vec4f, p1: vec4f, p2: vec4f, p3: vec4f) -> Halves {
-  if split {
-    return halve(p0, p1, p2, p3);
-  }
-  return Halves(p0, p1, p2, p3, p3, p3, p3);
-}

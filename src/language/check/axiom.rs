@@ -297,14 +297,23 @@ impl<'a> Checker<'a> {
                 });
             }
         }
-        if let Some(point) = points.iter().find(|p| p[3] == 0.0 || p[3] != 1.0 && !rational) {
-            let message = if point[3] == 0.0 {
-                "a weight cannot be 0".to_string()
+        let wrong = |p: &[f32; 4]| p[3] <= 0.0 || p[3] != 1.0 && !rational;
+        if let Some(index) = points.iter().position(wrong) {
+            let (weight, columns) = (points[index][3], points.len() / rows.len().max(1));
+            let point = format!("point {} of row {}", index % columns, index / columns);
+            let (message, hint) = if weight <= 0.0 {
+                (
+                    format!("{point} has the weight {weight}; a weight must be positive"),
+                    "the fourth coordinate is the weight",
+                )
             } else {
-                format!("the weight {} needs a rational system", point[3])
+                (
+                    format!("{point} has the weight {weight}, which needs a rational system"),
+                    "the fourth coordinate is the weight; write `patch bezier … rational`",
+                )
             };
             let error = Diagnostic::error(code::AXIOM, span, message);
-            self.report(error.hint("the fourth coordinate is the weight; write `patch bezier … rational`"));
+            self.report(error.hint(hint));
             return None;
         }
         Some(points)
