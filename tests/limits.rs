@@ -108,7 +108,8 @@ fn assert_oracle(job: &Job, text: &str, roots: usize, chunk: Option<usize>) {
 /// Every engine with every mapping of emit.
 fn all_engines() -> Vec<(String, Engine)> {
     let with = |(name, engine): (String, Engine)| {
-        [Mapping::NetPerInvocation, Mapping::PointPerInvocation].map(|mapping| {
+        let mappings = [Mapping::NetPerInvocation, Mapping::PointPerInvocation, Mapping::LinePerInvocation];
+        mappings.map(|mapping| {
             let tuning = Tuning { mapping, ..*engine.tuning() };
             (format!("{name}, {mapping:?}"), Engine::with_tuning(engine.device(), engine.queue(), tuning))
         })
@@ -359,7 +360,7 @@ fn growth(plan: &Plan, job: &Job) -> Vec<burgeon::plan::size::Bounds> {
 fn bounds_hold_for_random_systems_and_are_exact_where_they_say_so() {
     let (mut exact, mut open) = (0, 0);
     for seed in 0..300 {
-        let case = oracle::derived_case(seed);
+        let case = oracle::case(seed);
         let job = Job::new(&case.text, &case.nets, settings(&case));
         let words = case.derive();
         for (step, (bounds, word)) in growth(&job.plan, &job).iter().zip(&words).enumerate() {
@@ -534,7 +535,7 @@ impl<B: Backend> Backend for Small<B> {
 #[test]
 fn words_beyond_one_chunk_are_split_and_come_out_the_same() {
     for seed in [3, 8, 21, 34, 55] {
-        let case = oracle::derived_case(seed);
+        let case = oracle::case(seed);
         let job = Job::new(&case.text, &case.nets, settings(&case));
         let steps = case.steps.map(|s| s as u32);
         let whole = job.word(&mut job.cpu(1), steps, None);

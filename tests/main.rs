@@ -6,6 +6,8 @@ mod command;
 #[cfg(feature = "gpu")]
 mod conformance;
 #[cfg(feature = "gpu")]
+mod degrees;
+#[cfg(feature = "gpu")]
 mod device;
 #[cfg(feature = "gpu")]
 mod expressions;

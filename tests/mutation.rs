@@ -5,11 +5,13 @@
 //! as well, so the table follows the kernels. Mutants that change no result are not listed: another
 //! order of independent writes, a bounds check that the buffer's own end repeats.
 
-use crate::device;
+use crate::{degrees, device};
 use burgeon::codegen::{Edit, GENERATED, Mapping, Tuning};
 use burgeon::conformance::systems::{WIDE, WRITTEN};
 use burgeon::conformance::{Compared, Trouble, scans};
 use burgeon::gpu::{self, Engine};
+use burgeon::plan::compare::{Pair, PairError};
+use burgeon::plan::derive::{collect, derive};
 use std::path::Path;
 
 /// How a mutant is looked for: systems and scans of the conformance suite.
@@ -27,6 +29,8 @@ enum Check {
     Values,
     /// `measures`: attributes, values of the host, a view.
     Measured,
+    /// Nets with more rows than columns, and with fewer.
+    Degrees,
     /// Scan and compaction by themselves.
     Scans,
     /// These with workgroups in two dimensions.
@@ -135,12 +139,21 @@ const ADDRESSES: &[Mutant] = &[
 /// Of the mapping of emit that takes an invocation a net.
 const NETS: &[Mutant] = &[
     ("emit", "if i >= extent.count", "if i + 1u >= extent.count", Every),
-    ("emit", "left * 16u", "left * 15u", Every),
-    ("emit", "h.a0, h.a1, h.a2, h.middle", "h.a0, h.a2, h.a1, h.middle", Every),
-    ("emit", "nets[b + 4u]", "nets[b + 5u]", Every),
-    ("emit", "write_row(v, 0u, at2, at3", "write_row(u, 0u, at2, at3", Every),
-    ("halving", "Halves(p0, p1, p2, p3, p3", "Halves(p0, p2, p1, p3, p3", Every),
-    ("emit", "write_row(v, 3u, at0, at1", "write_row(v, 2u, at0, at1", Closed),
+    ("emit", "r * COLUMNS + c", "c * COLUMNS + r", Every),
+    ("emit", "r * COLUMNS + c", "r * ROWS + c", Degrees),
+    ("emit", "write_row(v, net[r], r, at0, at1)", "write_row(v, net[r], 0u, at0, at1)", Every),
+    ("emit", "write_row(v, net[0], level, at0, at1)", "write_row(v, net[1], level, at0, at1)", Closed),
+    ("emit", "r + level + 1u < ROWS", "r + level + 2u < ROWS", Every),
+    ("emit", "r + level + 1u < ROWS", "r + level < ROWS", Degrees),
+    ("emit", "net[r + 1u][c]) * 0.5", "net[r + 1u][c]) * 0.25", Degrees),
+    ("emit", "write_row(v, net[r], r, at2, at3)", "write_row(u, net[r], r, at2, at3)", Every),
+    ("rows", "left == NOWHERE && right", "left == NOWHERE || right", Every),
+    ("rows", "select(left, right, left == NOWHERE)", "select(right, left, left == NOWHERE)", Every),
+    ("rows", "* POINTS + r * COLUMNS;", "* POINTS + r * ROWS;", Degrees),
+    ("rows", "next_nets[to + level] = line[0];", "next_nets[to + level] = line[1];", Every),
+    ("rows", "c + level + 1u < COLUMNS", "c + level + 2u < COLUMNS", Every),
+    ("rows", "(line[c] + line[c + 1u]) * 0.5", "(line[c] * 0.5 + line[c + 1u]) * 0.5", Degrees),
+    ("rows", "select(left, right, split)", "select(right, left, split)", Every),
 ];
 
 const CHILDREN: &[Mutant] = &[
@@ -174,6 +187,32 @@ const POINTS: &[Mutant] = &[
     ("emit_by_point", "write_point(at3, k, of_second_half", "write_point(at3, k, of_first_half", Every),
     ("emit_by_point", "let column = k & 3u;", "let column = k & 1u;", Every),
     ("extent", "id.y * groups.x", "id.y * groups.y", Wide),
+];
+
+/// Of the mapping of emit that takes an invocation a line.
+const LINES: &[Mutant] = &[
+    ("emit_by_line", "r * COLUMNS + c];\n  }\n  var second", "r * ROWS + c];\n  }\n  var second", Degrees),
+    ("emit_by_line", "var second = first;\n  if split", "var second = first;\n  if !split", Every),
+    ("emit_by_line", "if r + level < ROWS", "if r + level + 1u < ROWS", Degrees),
+    ("emit_by_line", "(second[r] + second[r + 1u]) * 0.5", "(second[r + 1u] + second[r]) * 0.25", Every),
+    ("emit_by_line", "first[level] = second[0];", "first[level] = second[1];", Every),
+    ("emit_by_line", "to + POINTS + r * COLUMNS", "to + POINTS + r * ROWS", Degrees),
+    ("emit_by_line", "halves[begin + r * COLUMNS + c]", "halves[begin + r * ROWS + c]", Degrees),
+    ("emit_by_line", "let slot = local / LINES;", "let slot = local / (LINES + 1u);", Degrees),
+    ("emit_by_line", "let k = local % LINES;", "let k = local & 3u;", Degrees),
+    ("emit_by_line", "/ WORKGROUP * NETS + slot", "/ WORKGROUP + slot", Degrees),
+    ("emit_by_line", "if slot < NETS && i", "if i", Degrees),
+    ("emit_by_line", "let begin = slot * 2u * POINTS;", "let begin = slot * POINTS;", Degrees),
+    ("emit_by_line", "e.live != 0u && k < COLUMNS", "e.live != 0u && k < ROWS", Degrees),
+    (
+        "emit_by_line",
+        "read_column(u, i, k, begin);\n  }\n  workgroupBarrier();",
+        "read_column(u, i, k, begin);\n  }",
+        Degrees,
+    ),
+    ("emit_by_line", "c < 4u; c += LINES", "c < 4u; c += 4u", Degrees),
+    ("emit_by_line", "if k < ROWS {", "if k < COLUMNS {", Degrees),
+    ("emit_by_line", "half_row(begin + POINTS, k)", "half_row(begin, k)", Every),
 ];
 
 const SCANS: &[Mutant] = &[
@@ -218,6 +257,20 @@ const SCANS: &[Mutant] = &[
     ("spine", "if local == WORKGROUP - 1u", "if local == 0u", Scans),
 ];
 
+/// Nets of this degree, both backends in lockstep; what went wrong.
+fn lockstep(engine: &Engine, degree: [usize; 2]) -> Result<(), String> {
+    let job = degrees::job(degree);
+    let mut pair = Pair::new(&job.plan, job.cpu(1), job.gpu(engine), ["CPU", "GPU"]);
+    let options = job.options(None, None);
+    derive(&job.plan, &job.axiom, &job.uniforms, &options, &mut pair)
+        .and_then(|d| collect(&job.plan, &mut pair, &d))
+        .map(drop)
+        .map_err(|e| match e {
+            PairError::Right(gpu::Error::Codegen(e)) => panic!("this is no mutant: {e}"),
+            e => e.to_string(),
+        })
+}
+
 /// A system of the suite, both backends in lockstep; what went wrong.
 fn parity(engine: &Engine, name: &str, chunk: Option<usize>) -> Result<(), String> {
     let subject = WRITTEN.iter().chain([&WIDE]).find(|s| s.name == name).expect("a system of the suite");
@@ -256,6 +309,7 @@ impl Check {
             Values => parity(engine, "values", None),
             Measured => parity(engine, "measures", None),
             Scans => seen(scans::compare(engine, &[0, 1, 63, 1024, 1025, 20_000])),
+            Degrees => [[4, 1], [1, 4], [2, 1]].into_iter().try_for_each(|degree| lockstep(engine, degree)),
             // 64 elements a tile.
             WideScans => seen(scans::compare(engine, &[32_769 * 64])),
         }
@@ -346,6 +400,11 @@ fn every_mutant_of_emit_by_point_is_seen() {
 }
 
 #[test]
+fn every_mutant_of_emit_by_line_is_seen() {
+    kill(LINES, Mapping::LinePerInvocation);
+}
+
+#[test]
 fn every_mutant_of_scan_and_compaction_is_seen() {
     kill(SCANS, Mapping::NetPerInvocation);
 }
@@ -353,7 +412,7 @@ fn every_mutant_of_scan_and_compaction_is_seen() {
 /// Every kernel, and every file that kernels share, is broken more than once.
 #[test]
 fn every_file_has_mutants() {
-    let all: Vec<&Mutant> = [MATCHING, MEASURING, ELEMENTARY, ADDRESSES, CHILDREN, NETS, POINTS, SCANS]
+    let all: Vec<&Mutant> = [MATCHING, MEASURING, ELEMENTARY, ADDRESSES, CHILDREN, NETS, POINTS, LINES, SCANS]
         .into_iter()
         .flatten()
         .collect();

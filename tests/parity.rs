@@ -98,7 +98,7 @@ const KEPT: [u64; 0] = [];
 #[test]
 fn oracle_and_cpu_agree_after_every_step_of_random_systems() {
     for seed in SEEDS.chain(KEPT) {
-        let case = oracle::derived_case(seed);
+        let case = oracle::case(seed);
         let words = case.derive();
         let job = Job::new(&case.text, &case.nets, settings(&case));
         let tolerance = Tolerance::Lattice { bits: case.bits, c: 4.0 };
@@ -118,7 +118,7 @@ fn oracle_and_cpu_agree_after_every_step_of_random_systems() {
 fn cpu_gives_the_same_bytes_however_it_is_cut_and_shared_out() {
     // K17
     for seed in SEEDS.step_by(5) {
-        let case = oracle::derived_case(seed);
+        let case = oracle::case(seed);
         let job = Job::new(&case.text, &case.nets, settings(&case));
         let steps = case.steps.map(|s| s as u32);
         let whole = job.word(&mut job.cpu(1), steps, None);
@@ -136,7 +136,7 @@ fn cpu_gives_the_same_bytes_however_it_is_cut_and_shared_out() {
 fn gpu_and_cpu_agree_after_every_pass_of_random_systems() {
     for (name, engine) in device::engines() {
         for seed in GPU_SEEDS.chain(KEPT) {
-            let case = oracle::derived_case(seed);
+            let case = oracle::case(seed);
             let job = Job::new(&case.text, &case.nets, settings(&case));
             let chunk = [None, Some(64), Some(7), Some(1)][seed as usize % 4];
             let chunk = chunk.filter(|c| *c > 1 || case.derive().iter().all(|w| w.modules.len() < 60));
@@ -185,11 +185,11 @@ fn papers_numbers_hold_on_the_gpu() {
 #[test]
 fn every_tuning_gives_the_same_words() {
     let Some(headless) = device::headless() else { return };
-    let mappings = [Mapping::NetPerInvocation, Mapping::PointPerInvocation];
+    let mappings = [Mapping::NetPerInvocation, Mapping::PointPerInvocation, Mapping::LinePerInvocation];
     for (mapping, seed) in mappings.into_iter().flat_map(|m| (100..106).map(move |seed| (m, seed))) {
         let tuning = Tuning { mapping, ..Tuning::GPU };
         let engine = Engine::with_tuning(&headless.device, &headless.queue, tuning);
-        let case = oracle::derived_case(seed);
+        let case = oracle::case(seed);
         let job = Job::new(&case.text, &case.nets, settings(&case));
         let steps = case.steps.map(|s| s as u32);
         let expected = job.word(&mut job.cpu(2), steps, None);

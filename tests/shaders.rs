@@ -14,8 +14,9 @@ use naga::{AddressSpace, GlobalVariable, Module, StorageAccess, TypeInner};
 use std::mem::offset_of;
 use std::path::{Path, PathBuf};
 
-/// Both mappings of `emit` are among them.
-const TUNINGS: [Tuning; 2] = [Tuning::CPU_DRIVER, Tuning::GPU];
+/// All mappings of `emit` are among them.
+const TUNINGS: [Tuning; 3] =
+    [Tuning::CPU_DRIVER, Tuning::GPU, Tuning { mapping: Mapping::LinePerInvocation, ..Tuning::GPU }];
 
 /// WebGPU's default limits.
 const STORAGE_BUFFERS: usize = 8;
@@ -162,11 +163,26 @@ fn every_kernel_of_every_written_system_translates_to_every_language() {
     }
 }
 
+fn pairs() -> impl Iterator<Item = [u8; 2]> {
+    (1..=8).flat_map(|m| (1..=8).map(move |n| [m, n]))
+}
+
+#[test]
+fn emit_translates_for_every_degree() {
+    for [m, n] in pairs() {
+        let plan = plans(&SMALL.replace("bezier 3", &format!("bezier {m} {n} rational"))).swap_remove(0);
+        for (tuning, id) in TUNINGS.iter().flat_map(|t| stages(&plan).into_iter().map(move |id| (t, id))) {
+            let [_, _, emit] = stage_shaders(&plan, id, tuning);
+            assert_translates(&emit, &format!("degree {m}×{n}"));
+        }
+    }
+}
+
 #[test]
 fn every_kernel_of_random_systems_translates_to_every_language() {
     for seed in 0..60 {
-        let case = oracle::derived_case(seed);
-        let tuning = &TUNINGS[seed as usize % 2];
+        let case = oracle::case(seed);
+        let tuning = &TUNINGS[seed as usize % TUNINGS.len()];
         let plans = plans(&case.text);
         assert!(!plans.is_empty(), "{case}");
         for plan in plans {
@@ -248,11 +264,11 @@ fn wanted(pass: &Pass) -> Vec<Seen> {
     columns.enumerate().map(binding).collect()
 }
 
-/// The kernels of a pass in both tunings.
+/// The kernels of a pass in all tunings.
 fn kernels_of(pass: &Pass) -> Vec<Shader> {
     let plan = small_plan();
     let all = TUNINGS.iter().flat_map(|tuning| shaders(&plan, tuning));
-    // Both mappings of emit have the entry point `emit`.
+    // All mappings of emit have the entry point `emit`.
     all.filter(|s| s.module.entry_points.iter().any(|e| e.name == pass.name)).collect()
 }
 
@@ -265,16 +281,19 @@ fn bindings_are_the_columns_of_the_pass_in_order() {
             assert_eq!(seen(&shader.module), wanted(pass), "{} ({})", pass.name, shader.name);
         }
     }
-    let emits: Vec<&str> = kernels_of(&step::EMIT).iter().map(|s| s.name).collect();
-    assert!(emits.contains(&"emit") && emits.contains(&"emit_by_point"), "{emits:?}");
+    let mut emits: Vec<&str> = kernels_of(&step::EMIT).iter().map(|s| s.name).collect();
+    emits.dedup();
+    assert_eq!(emits, ["emit", "emit_by_point", "emit_by_line"]);
 }
 
 #[test]
 fn no_kernel_asks_for_more_than_default_limits() {
-    let plan = small_plan();
-    for tuning in &TUNINGS {
+    let every_degree =
+        pairs().map(|[m, n]| plans(&SMALL.replace("bezier 3", &format!("bezier {m} {n}"))).swap_remove(0));
+    let plans: Vec<Plan> = every_degree.collect();
+    for (plan, tuning) in plans.iter().flat_map(|plan| TUNINGS.iter().map(move |tuning| (plan, tuning))) {
         let measures = codegen::measures(tuning).expect("copy and expand");
-        for shader in shaders(&plan, tuning).iter().chain(&measures) {
+        for shader in shaders(plan, tuning).iter().chain(&measures) {
             let module = &shader.module;
             let mut layouter = Layouter::default();
             layouter.update(module.to_ctx()).expect("a layout");
@@ -355,7 +374,7 @@ fn structs_lie_in_wgsl_as_in_rust() {
             }
         }
     }
-    // All kernels have an extent; match_modules, both emits and retire a status.
+    // All kernels have an extent; match_modules, all emits and retire a status.
     assert!(seen[0] >= 12 && seen[1] >= 6, "{seen:?}");
 }
 
@@ -427,7 +446,7 @@ fn an_error_in_a_file_names_the_file_and_the_line() {
     for (file, path, find, replace) in [
         ("count", "wgsl/count.wgsl", "let i = linear(id, groups);", "let i = linear(id groups);"),
         ("extent", "wgsl/shared/extent.wgsl", "needed_finished: atomic<u32>", "needed_finished: atom<u32>"),
-        ("halving", "wgsl/shared/halving.wgsl", "let bc = (p1 + p2) * 0.5;", "let bc = (p1 + p9) * 0.5;"),
+        ("rows", "wgsl/shared/rows.wgsl", "var line = row;", "var line = rows;"),
         (
             "spine",
             "wgsl/shared/spine.wgsl",

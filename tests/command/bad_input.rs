@@ -234,9 +234,6 @@ fn constructs_that_are_not_derived() {
     let cases = [
         ("curve systems", "system s : curve ring\nmodule P(v: vec2)\naxiom: P((0,0)) P((1,0)) P((1,1))\nrules:\n  P(v) -> P(v) P(v)\n".to_string()),
         ("mesh systems", "system s : mesh\naxiom: box(1, 1, 1)\nrun:\n  subdivide catmull_clark 1\n".to_string()),
-        ("`rational` nets", patch("bezier 3 rational", "P(n: int)", "rules:\n  P(n) -> [ P(n) | P(n) ]")),
-        ("degree 2×2", patch("bezier 2", "P(n: int)", "rules:\n  P(n) -> [ P(n) | P(n) ]")),
-        ("degree 3×2", patch("bezier 3 2", "P(n: int)", "rules:\n  P(n) -> [ P(n) | P(n) ]")),
     ];
     for (construct, text) in cases {
         folder.write("s.burgeon", text);
@@ -252,6 +249,40 @@ fn constructs_that_are_not_derived() {
     // Reserved by the language itself, so the checker refuses it.
     folder.write("s.burgeon", bicubic("P(n) -> P(n) [ + P(n) ]"));
     run(&folder, "s.burgeon", &[]).fails(1, &["s.burgeon:5:"]);
+}
+
+/// Weights that no net can have, in a file and written out.
+#[test]
+fn weights() {
+    let folder = Folder::new();
+    let head = "system s : patch bezier 1 rational\nmodule P\naxiom: P = ";
+    let tail = "\nrules:\n  P -> [ P P ; P P ]\nrun:\n  derive 2\n";
+    let inline = |point: &str| format!("{head}[[(0,0,0,2), (1,0,0,1)], [(0,1,0,1), {point}]]{tail}");
+    folder.write("s.burgeon", inline("(1,1,0,0.5)"));
+    folder.run_in_vain(&["run", "s.burgeon", "--backend", "cpu"]).succeeds();
+    for (point, said) in [
+        ("(1,1,0,0)", "point 1 of row 1 has the weight 0; a weight must be positive"),
+        ("(1,1,0,-2)", "point 1 of row 1 has the weight -2; a weight must be positive"),
+        ("(1,1,0,1e-31)", "patch 0 of the axiom: point 3 has the weight"),
+        ("(1,1e38,0,10)", "y of point 3 of this net, 1e38, times its weight, 1e1"),
+        ("(1,1e38,0,2)", "these must lie within"),
+    ] {
+        folder.write("s.burgeon", inline(point));
+        run(&folder, "s.burgeon", &[]).fails(1, &["s.burgeon:3:", said]);
+    }
+    folder.write("s.burgeon", inline("(1,1,0,2)").replace(" rational", ""));
+    run(&folder, "s.burgeon", &[]).fails(1, &["s.burgeon:3:", "point 0 of row 0", "needs a rational system"]);
+    folder.write("s.burgeon", format!("{head}file \"w.bpt\"{tail}"));
+    let file = |weight: &str| format!("1\n1 1\n0 0 0\n1 0 0 {weight}\n0 1 0\n1 1 0\n");
+    for (weight, said) in [
+        ("0", "w.bpt:4:7: the weight of point 1 of patch 0 is `0`; weights must be positive"),
+        ("-1", "w.bpt:4:7: the weight of point 1 of patch 0 is `-1`"),
+        ("1e-40", "patch 0 of the axiom: point 1 has the weight"),
+        ("1e39", "w.bpt:4:7:"),
+    ] {
+        folder.write("w.bpt", file(weight));
+        run(&folder, "s.burgeon", &[]).fails(1, &[said]);
+    }
 }
 
 /// An expression of the axiom or the schedule that has no value.

@@ -12,7 +12,7 @@ use super::word::{Param, Word};
 use super::{Oracle, parse};
 pub use random::Random;
 use std::fmt;
-use system::{Dialect, Generator};
+use system::Generator;
 
 /// The most modules that a word of a case has.
 const MODULES: usize = 3000;
@@ -60,26 +60,17 @@ impl Case {
     }
 }
 
-/// The case of a seed, of all that the oracle knows.
+/// The case of a seed: of what the oracle knows, which the engine derives.
 pub fn case(seed: u64) -> Case {
-    case_in(seed, Dialect::Whole)
-}
-
-/// The case of a seed, of what the engine derives.
-pub fn derived_case(seed: u64) -> Case {
-    case_in(seed, Dialect::Derived)
-}
-
-fn case_in(seed: u64, dialect: Dialect) -> Case {
     let mut random = Random::new(seed);
     // Small words are cheap to come by: most cases are drawn again until they grow.
     let wanted = *random.pick(&[1, 8, 20, 60, 200]);
-    let mut best = draw(seed, random.next(), dialect);
+    let mut best = draw(seed, random.next());
     for _ in 0..12 {
         if best.1 >= wanted {
             break;
         }
-        let other = draw(seed, random.next(), dialect);
+        let other = draw(seed, random.next());
         if other.1 > best.1 {
             best = other;
         }
@@ -88,8 +79,8 @@ fn case_in(seed: u64, dialect: Dialect) -> Case {
 }
 
 /// A case and the most modules that one of its words has.
-fn draw(seed: u64, salt: u64, dialect: Dialect) -> (Case, usize) {
-    let mut generator = Generator::new(salt, dialect);
+fn draw(seed: u64, salt: u64) -> (Case, usize) {
+    let mut generator = Generator::new(salt);
     let system = generator.system();
     let nets = generator.nets();
     let set = generator.overrides();

@@ -19,7 +19,7 @@ mod word;
 
 pub use compare::{Tolerance, assert_same, compare, engine_word, lattice_bits};
 pub use derive::Oracle;
-pub use generate::{Case, Random, case, derived_case, minimise};
+pub use generate::{Case, Random, case, minimise};
 pub use halving::{Net, left, right};
 pub use word::{Cell, Module, Param, Word};
 

@@ -20,15 +20,6 @@ struct Slider {
     range: Option<(i32, i32)>,
 }
 
-/// How much of the language a system may use.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Dialect {
-    /// All that the oracle knows.
-    Whole,
-    /// What this version of the engine derives: bicubic polynomial nets.
-    Derived,
-}
-
 pub struct Generator {
     pub random: Random,
     degree: [usize; 2],
@@ -47,14 +38,13 @@ pub struct Generator {
 }
 
 impl Generator {
-    pub fn new(seed: u64, dialect: Dialect) -> Generator {
+    pub fn new(seed: u64) -> Generator {
         let mut random = Random::new(seed);
-        let whole = dialect == Dialect::Whole;
-        let cubic = random.chance(60) || !whole;
+        let cubic = random.chance(50);
         let degree = if cubic { [3, 3] } else { [random.range(1, 8) as usize, random.range(1, 8) as usize] };
         Generator {
             degree,
-            rational: random.chance(25) && whole,
+            rational: random.chance(25),
             bits: random.range(2, 6) as u32,
             symbols: Vec::new(),
             constants: Scope::default(),
@@ -219,7 +209,7 @@ impl Generator {
             let args: Vec<String> = symbol.fields.iter().map(|ty| self.start_arg(&scope, *ty)).collect();
             let args = if args.is_empty() { String::new() } else { format!("({})", args.join(", ")) };
             let source = match self.random.below(4) {
-                0 if !self.rational => self.inline(),
+                0 => self.inline(),
                 1 => "file \"lattice.bpt\" [0]".to_string(),
                 _ => "file \"lattice.bpt\"".to_string(),
             };
@@ -238,16 +228,22 @@ impl Generator {
         }
     }
 
-    /// A net written out.
+    /// A net written out, of points as files hold them.
     fn inline(&mut self) -> String {
+        let weighted = self.rational && self.random.chance(80);
         let mut rows = Vec::new();
         for _ in 0..=self.degree[0] {
-            let row: Vec<String> = (0..=self.degree[1])
-                .map(|_| format!("({}, {}, {})", self.coordinate(), self.coordinate(), self.coordinate()))
-                .collect();
+            let row: Vec<String> = (0..=self.degree[1]).map(|_| self.inline_point(weighted)).collect();
             rows.push(format!("[{}]", row.join(", ")));
         }
         format!("[{}]", rows.join(",\n    "))
+    }
+
+    /// Times its weight it is still below 2^bits.
+    fn inline_point(&mut self, weighted: bool) -> String {
+        let weight = if weighted { self.random.range(1, 3) } else { 1 };
+        let [x, y, z] = [0; 3].map(|_| self.coordinate() / weight);
+        if weighted { format!("({x}, {y}, {z}, {weight})") } else { format!("({x}, {y}, {z})") }
     }
 
     fn coordinate(&mut self) -> i32 {
