@@ -104,6 +104,8 @@ struct Plans {
     /// The same with a parameter and a condition: all passes run.
     conditional: Plan,
     levels: Plan,
+    /// `plain` for other nets, each with what they are.
+    others: Vec<(String, Plan)>,
 }
 
 const PLAIN: &str = "system plain : patch bezier 3\nmodule P\naxiom: P = file \"roots.bpt\"\nrules:\n  \
@@ -111,10 +113,20 @@ const PLAIN: &str = "system plain : patch bezier 3\nmodule P\naxiom: P = file \"
 const CONDITIONAL: &str = "system conditional : patch bezier 3\nmodule P(l: int)\naxiom: P(0) = file \"roots.bpt\"\n\
      rules:\n  P(l) : l < 9 -> [ P(l+1) P(l+1) ; P(l+1) P(l+1) ]\nrun:\n  derive 1\n";
 
+/// Nets of other degrees, and those with weights: these move the same bytes.
+const OTHERS: [&str; 6] = ["bezier 3 rational", "bezier 1", "bezier 2", "bezier 4", "bezier 8", "bezier 3 1"];
+
 impl Plans {
     fn new() -> Result<Plans, Failure> {
         let levels = PLAIN.replace("derive 1", "derive 16");
-        Ok(Plans { plain: plan(PLAIN)?, conditional: plan(CONDITIONAL)?, levels: plan(&levels)? })
+        let others = OTHERS
+            .map(|nets| Ok((format!("closed form, `{nets}`"), plan(&PLAIN.replace("bezier 3", nets))?)));
+        Ok(Plans {
+            plain: plan(PLAIN)?,
+            conditional: plan(CONDITIONAL)?,
+            levels: plan(&levels)?,
+            others: others.into_iter().collect::<Result<_, Failure>>()?,
+        })
     }
 }
 
@@ -127,18 +139,20 @@ fn plan(text: &str) -> Result<Plan, Failure> {
 
 /// 32 patches of a file, or as many made ones.
 fn roots(input: Option<&Path>) -> Result<Vec<Net>, Failure> {
-    let Some(path) = input else { return Ok(made(32)) };
+    let Some(path) = input else { return Ok(made(32, [3, 3], false)) };
     burgeon::io::bpt::read(path, false).map_err(|e| Failure::File(format!("error: {e}")))
 }
 
-/// Hilly bicubic nets.
-fn made(count: usize) -> Vec<Net> {
+/// Hilly nets.
+fn made(count: usize, degree: [u8; 2], rational: bool) -> Vec<Net> {
+    let columns = degree[1] as usize + 1;
     let point = |net: usize, k: usize| {
-        let (i, j) = ((k / 4) as f32, (k % 4) as f32);
+        let (i, j) = ((k / columns) as f32, (k % columns) as f32);
         let height = ((net * 31 + k * 17) % 11) as f32 / 8.0;
-        [i, height, j, 1.0]
+        [i, height, j, if rational { 1.0 + height / 4.0 } else { 1.0 }]
     };
-    (0..count).map(|n| Net { degree: [3, 3], points: (0..16).map(|k| point(n, k)).collect() }).collect()
+    let net = |n| Net { degree, points: (0..patch::net_points(degree)).map(|k| point(n, k)).collect() };
+    (0..count).map(net).collect()
 }
 
 fn axiom(plan: &Plan, nets: &[Net]) -> Axiom {
@@ -151,8 +165,8 @@ fn axiom(plan: &Plan, nets: &[Net]) -> Axiom {
 
 /// vec4s that `copy` and `expand` read: 16 MiB, and 64 MiB for the copy of the same traffic.
 const ELEMENTS: usize = 1 << 20;
-/// Nets of `patch/step`.
-const STEP_NETS: usize = 1 << 16;
+/// Control points of `patch/step`, as nets of whatever degree: 65,536 bicubic ones.
+const STEP_POINTS: usize = 1 << 20;
 /// Elements of `scan` and `compact`.
 const SCAN_ELEMENTS: usize = 1 << 24;
 
@@ -203,12 +217,14 @@ fn step_bytes(plan: &Plan, nets: u64) -> u64 {
 fn step_case<'a, B: Backend + 'a>(
     plan: &'a Plan,
     mut backend: B,
-    label: (&'static str, usize, &'static str),
+    label: (&'static str, usize, &str),
     fail: impl Fn(B::Error) -> Failure + Copy + 'a,
 ) -> Result<Case<'a>, Failure> {
     let uniforms = plan.uniforms(&[]).map_err(super::run::of_plan)?;
-    let (records, nets) =
-        plan.axiom(&axiom(plan, &made(STEP_NETS)), &uniforms).map_err(super::run::of_plan)?;
+    let layout = plan.tables.layout;
+    let count = STEP_POINTS / layout.net_points();
+    let nets = made(count, layout.degree, plan.rational());
+    let (records, nets) = plan.axiom(&axiom(plan, &nets), &uniforms).map_err(super::run::of_plan)?;
     let chunk = backend.upload(records, nets).map_err(fail)?;
     let (backend_name, threads, what) = label;
     let id = StageId { rule_set: 0, stage: 0 };
@@ -225,11 +241,11 @@ fn step_case<'a, B: Backend + 'a>(
     };
     Ok(Case {
         name: "patch/step",
-        case: format!("{STEP_NETS} nets, {what}"),
+        case: format!("{count} nets, {what}"),
         backend: backend_name,
         threads,
-        bytes: step_bytes(plan, STEP_NETS as u64),
-        items: 4 * STEP_NETS as u64,
+        bytes: step_bytes(plan, count as u64),
+        items: 4 * count as u64,
         run: Box::new(run),
         times: vec![],
     })
@@ -238,9 +254,17 @@ fn step_case<'a, B: Backend + 'a>(
 const PLAIN_CASE: &str = "closed form: emit only";
 const CONDITIONAL_CASE: &str = "parameter and condition: all passes";
 
+impl Plans {
+    /// The systems of `patch/step`, with what they are.
+    fn steps(&self) -> impl Iterator<Item = (&Plan, &str)> {
+        let bicubic = [(&self.plain, PLAIN_CASE), (&self.conditional, CONDITIONAL_CASE)];
+        bicubic.into_iter().chain(self.others.iter().map(|(what, plan)| (plan, what.as_str())))
+    }
+}
+
 fn step_cases<'a>(plans: &'a Plans, cases: &mut Vec<Case<'a>>) -> Result<(), Failure> {
     let threads = rayon_threads();
-    for (plan, what) in [(&plans.plain, PLAIN_CASE), (&plans.conditional, CONDITIONAL_CASE)] {
+    for (plan, what) in plans.steps() {
         let uniforms = plan.uniforms(&[]).map_err(super::run::of_plan)?;
         let backend = cpu::Cpu::new(plan, &uniforms, threads).map_err(super::run::of_plan)?;
         cases.push(step_case(plan, backend, ("cpu", threads, what), super::run::of_plan)?);
@@ -505,12 +529,13 @@ mod gpu {
             let engine = Engine::new(&device.device, &device.queue);
             bandwidth(&engine, cases)?;
             if wanted("patch/step") {
-                for (plan, what) in [(&plans.plain, PLAIN_CASE), (&plans.conditional, CONDITIONAL_CASE)] {
+                for (plan, what) in plans.steps() {
                     cases.push(step_case(plan, backend(&engine, plan)?, ("gpu", 0, what), of_gpu)?);
                 }
-                let (other, what) = other_mapping(&engine);
                 let plan = &plans.plain;
-                cases.push(step_case(plan, backend(&other, plan)?, ("gpu", 0, what), of_gpu)?);
+                for (other, what) in other_mappings(&engine) {
+                    cases.push(step_case(plan, backend(&other, plan)?, ("gpu", 0, what), of_gpu)?);
+                }
             }
             if wanted("patch/derive") {
                 let plan = &plans.levels;
@@ -524,14 +549,19 @@ mod gpu {
         }
     }
 
-    /// The other mapping of emit, side by side with the one that is taken.
-    fn other_mapping(engine: &Engine) -> (Engine, &'static str) {
-        let (mapping, what) = match engine.tuning().mapping {
-            Mapping::NetPerInvocation => (Mapping::PointPerInvocation, "closed form, point per invocation"),
-            Mapping::PointPerInvocation => (Mapping::NetPerInvocation, "closed form, net per invocation"),
+    /// The other mappings of emit, side by side with the one that is taken.
+    fn other_mappings(engine: &Engine) -> Vec<(Engine, &'static str)> {
+        let all = [
+            (Mapping::NetPerInvocation, "closed form, net per invocation"),
+            (Mapping::PointPerInvocation, "closed form, point per invocation"),
+            (Mapping::LinePerInvocation, "closed form, line per invocation"),
+        ];
+        let others = all.into_iter().filter(|(mapping, _)| *mapping != engine.tuning().mapping);
+        let with = |mapping| {
+            let tuning = Tuning { mapping, ..*engine.tuning() };
+            Engine::with_tuning(engine.device(), engine.queue(), tuning)
         };
-        let tuning = Tuning { mapping, ..*engine.tuning() };
-        (Engine::with_tuning(engine.device(), engine.queue(), tuning), what)
+        others.map(|(mapping, what)| (with(mapping), what)).collect()
     }
 
     fn backend<'a>(engine: &Engine, plan: &'a Plan) -> Result<Gpu<'a>, Failure> {
