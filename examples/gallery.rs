@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 const COPPER: [u8; 3] = [217, 155, 108];
 const TEAL: [u8; 3] = [72, 150, 150];
 const PLUM: [u8; 3] = [150, 92, 122];
+const SAND: [u8; 3] = [222, 196, 140];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::args().nth(1).unwrap_or("out/gallery".into());
@@ -41,6 +42,15 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // Section 2.6: regular holes.
     studio.draw("holes", &studio.derive("holes", &[])?, copper, sheet())?;
+
+    // Section 2.5, figure 3: a rational cylinder, a colour for each of its four patches; a sphere and a
+    // torus, which no polynomial net is.
+    let word = studio.derive("cylinder", &[])?;
+    let lines = grid::borders(&word, GRID)?;
+    let four = |module: &Module| [COPPER, TEAL, PLUM, SAND][module.symbol];
+    studio.draw("cylinder", &word, four, Picture { lines, line_width: 0.8, ..sheet() })?;
+    studio.draw("sphere", &studio.derive("sphere", &[])?, copper, picture())?;
+    studio.draw("torus", &studio.derive("torus", &[])?, |_| TEAL, sheet())?;
 
     // The teapot with the borders of its leaves, and as lace.
     let word = studio.derive("teapot", &[])?;
@@ -87,7 +97,7 @@ impl Studio {
             return Err(diagnostic::render(&checked.diagnostics, &file, &text, false).into());
         }
         let plan = Plan::new(&checked.systems[0])?;
-        let axiom = Axiom::load(&plan.system, &mut |file| bpt::read(examples.join(file), false))?;
+        let axiom = Axiom::load(&plan.system, &mut |file| bpt::read(examples.join(file), plan.rational()))?;
         let set = params.iter().map(|&(name, value)| (name.to_string(), Value::Int(value))).collect();
         let (word, _) = gpu::derive(&self.engine, &plan, &axiom, &Options { set, ..Options::default() })?;
         println!("{name}: {} steps, {} patches", word.steps, word.modules.len());
