@@ -412,10 +412,11 @@ fn every_mutant_of_scan_and_compaction_is_seen() {
 /// Every kernel, and every file that kernels share, is broken more than once.
 #[test]
 fn every_file_has_mutants() {
-    let all: Vec<&Mutant> = [MATCHING, MEASURING, ELEMENTARY, ADDRESSES, CHILDREN, NETS, POINTS, LINES, SCANS]
-        .into_iter()
-        .flatten()
-        .collect();
+    let all: Vec<&Mutant> =
+        [MATCHING, MEASURING, ELEMENTARY, ADDRESSES, CHILDREN, NETS, POINTS, LINES, SCANS]
+            .into_iter()
+            .flatten()
+            .collect();
     for folder in ["wgsl", "wgsl/shared"] {
         for entry in std::fs::read_dir(folder).expect("the kernels") {
             let path = entry.expect("an entry").path();

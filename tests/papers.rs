@@ -106,9 +106,6 @@ pub const DERIVED: &[fn(&Backend)] = &[
     e3_without_a_level_bound_refinement_goes_on,
 ];
 
-/// Those that need other degrees or rational nets.
-const LATER: &[fn(&Backend)] = &[k2_any_degree, k10_rational_surfaces, k11_the_cylinder_is_round];
-
 // --- inputs ------------------------------------------------------------------------------------
 
 /// A bicubic net of small integers, without symmetry.
@@ -631,7 +628,7 @@ fn k17_roots_are_independent(backend: &Backend) {
 fn the_oracle_gives_the_papers_numbers() {
     let derive = |text: &str, nets: &[Net]| oracle::derive(text, nets).iter().map(seen_by_oracle).collect();
     let backend = Backend { derive: &derive, tolerance: 1e-13 };
-    DERIVED.iter().chain(LATER).for_each(|check| check(&backend));
+    DERIVED.iter().for_each(|check| check(&backend));
 }
 
 /// The same numbers survive the engine's containers, so the checks ask nothing that f32 cannot give.
@@ -642,5 +639,5 @@ fn the_papers_numbers_fit_into_f32() {
         words.iter().enumerate().map(|(step, w)| seen_by_engine(&oracle::engine_word(w, step))).collect()
     };
     let backend = Backend { derive: &derive, tolerance: 1e-6 };
-    DERIVED.iter().chain(LATER).for_each(|check| check(&backend));
+    DERIVED.iter().for_each(|check| check(&backend));
 }

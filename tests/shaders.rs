@@ -172,7 +172,7 @@ fn emit_translates_for_every_degree() {
     for [m, n] in pairs() {
         let plan = plans(&SMALL.replace("bezier 3", &format!("bezier {m} {n} rational"))).swap_remove(0);
         for (tuning, id) in TUNINGS.iter().flat_map(|t| stages(&plan).into_iter().map(move |id| (t, id))) {
-            let [_, _, emit] = stage_shaders(&plan, id, tuning);
+            let emit = codegen::stage(&plan, id, tuning).unwrap_or_else(|e| panic!("{e}")).emit;
             assert_translates(&emit, &format!("degree {m}×{n}"));
         }
     }
