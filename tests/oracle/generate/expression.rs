@@ -6,6 +6,8 @@ use super::system::Generator;
 pub enum Type {
     Int,
     Bool,
+    /// Multiples of a quarter, so that f32 and f64 compute the same.
+    Float,
 }
 
 /// The names that an expression may read.
@@ -179,7 +181,62 @@ impl Generator {
         }
     }
 
+    /// Quarters stay quarters: sums, halves of whole numbers, and what chooses.
+    pub fn float(&mut self, scope: &Scope, depth: usize) -> Term {
+        let names = scope.of(Type::Float);
+        if depth == 0 || self.random.chance(25) {
+            if !names.is_empty() && self.random.chance(75) {
+                return Term::atom(self.random.pick(&names).as_str(), true);
+            }
+            let text = *self.random.pick(&["0.25", "-1.5", "2.75", "0.5", "7.25"]);
+            let precedence = if text.starts_with('-') { 6 } else { 7 };
+            return Term { text: text.to_string(), precedence, named: false };
+        }
+        match self.random.below(10) {
+            0..=3 => {
+                let (a, b) = (self.float(scope, depth - 1), self.float(scope, depth - 1));
+                let operator = self.random.pick(&["+", "-"]);
+                let text = format!("{} {operator} {}", a.at(4), b.at(5));
+                Term { text, precedence: 4, named: a.named || b.named }
+            }
+            4 => {
+                let a = self.float(scope, depth - 1);
+                Term { text: format!("floor({}) * 0.5", a.text), precedence: 5, named: a.named }
+            }
+            5 => {
+                let condition = self.bool(scope, depth - 1);
+                let (a, b) = (self.float(scope, depth - 1), self.float(scope, depth - 1));
+                let named = a.named || b.named;
+                self.call("if", &[condition, a, b], named)
+            }
+            6 => {
+                let a = self.int(scope, depth - 1);
+                Term::atom(format!("float(clamp({}, -9, 9))", a.text), true)
+            }
+            7 => {
+                let a = self.float(scope, depth - 1);
+                Term::atom(format!("clamp({}, -2.5, 9.25)", a.text), a.named)
+            }
+            8 => {
+                let a = self.float(scope, depth - 1);
+                let named = a.named;
+                self.call("abs", &[a], named)
+            }
+            _ => {
+                let (a, b) = (self.float(scope, depth - 1), self.float(scope, depth - 1));
+                let (name, named) = (*self.random.pick(&["min", "max"]), a.named || b.named);
+                self.call(name, &[a, b], named)
+            }
+        }
+    }
+
     fn comparison(&mut self, scope: &Scope, depth: usize) -> Term {
+        if !scope.of(Type::Float).is_empty() && self.random.chance(25) {
+            let (a, b) = (self.float(scope, depth - 1), self.float(scope, depth - 1));
+            let operator = self.random.pick(&["<", "<=", ">", ">=", "==", "!="]);
+            let text = format!("{} {operator} {}", a.at(4), b.at(4));
+            return Term { text, precedence: 3, named: a.named || b.named };
+        }
         let mut a = self.int(scope, depth - 1);
         if !a.named && self.random.chance(80) {
             a = self.int_name(scope).unwrap_or(a);

@@ -164,6 +164,7 @@ impl Generator {
                 (Type::Bool, _) => Param::Bool(self.random.chance(50)),
                 (Type::Int, Some((low, high))) => Param::Int(self.random.range(low, high)),
                 (Type::Int, None) => Param::Int(self.integer()),
+                (Type::Float, _) => Param::Float(0.25),
             };
             set.push((name, value));
         }
@@ -175,7 +176,7 @@ impl Generator {
     fn draw_symbols(&mut self) {
         for name in ["A", "B", "Leaf_1", "D", "E2"].iter().take(self.random.range(1, 5) as usize) {
             let count = *self.random.pick(&[0, 1, 1, 2, 2, 3, 4]);
-            let fields = (0..count).map(|_| *self.random.pick(&[Type::Int, Type::Int, Type::Bool])).collect();
+            let fields = (0..count).map(|_| *self.random.pick(&[Type::Int, Type::Int, Type::Bool, Type::Float])).collect();
             self.symbols.push(Symbol { name: name.to_string(), fields });
         }
     }
@@ -185,6 +186,7 @@ impl Generator {
             let field = |(index, ty): (usize, &Type)| match ty {
                 Type::Int => format!("f{index}: int"),
                 Type::Bool => format!("f{index}: bool"),
+                Type::Float => format!("f{index}: float"),
             };
             let fields: Vec<String> = symbol.fields.iter().enumerate().map(field).collect();
             if fields.is_empty() {
@@ -225,6 +227,7 @@ impl Generator {
             Type::Int if self.random.chance(70) => self.random.range(0, 3).to_string(),
             Type::Int => self.int(scope, 1).text,
             Type::Bool => self.bool(scope, 0).text,
+            Type::Float => self.float(scope, 0).text,
         }
     }
 
@@ -326,6 +329,7 @@ impl Generator {
                 8..18 => match ty {
                     Type::Int => self.random.range(-1, 3).to_string(),
                     Type::Bool => self.random.chance(50).to_string(),
+                    Type::Float => "_".to_string(),
                 },
                 18..38 if !again.is_empty() => self.random.pick(&again).clone(),
                 _ => {
@@ -353,6 +357,7 @@ impl Generator {
         match ty {
             Type::Int => ["k", "n", "m", "i"][index],
             Type::Bool => ["p", "q", "r", "s"][index],
+            Type::Float => ["u", "v", "w", "t"][index],
         }
         .to_string()
     }
@@ -361,6 +366,9 @@ impl Generator {
         let Some(name) = self.int_name(scope).map(|name| name.text) else {
             return self.bool(scope, 2).text;
         };
+        if self.random.chance(15) {
+            return self.measured();
+        }
         let text = match self.random.below(8) {
             0 => format!("{name} < {}", self.random.range(1, 4)),
             1 => {
@@ -379,6 +387,13 @@ impl Generator {
         } else {
             text
         }
+    }
+
+    /// What is measured of a net against a number that no net of integers meets.
+    fn measured(&mut self) -> String {
+        let names = ["flatness", "bend_u", "bend_v", "area", "centroid.x", "centroid.z", "uv.y"];
+        let (name, sign) = (*self.random.pick(&names), *self.random.pick(&["<", ">", ">="]));
+        format!("{name} {sign} {}", self.random.pick(&["0.37", "1.73", "5.3", "31.7", "-0.9"]))
     }
 
     /// A number that is not whole but dyadic: compared with an int it is exact in f32 too.
@@ -415,7 +430,7 @@ impl Generator {
     fn arg(&mut self, scope: &Scope, ty: Type) -> String {
         let names: Vec<String> = scope.of(ty).into_iter().cloned().collect();
         let Some(name) = (!names.is_empty()).then(|| self.random.pick(&names).clone()) else {
-            return self.bool(scope, 1).text;
+            return if ty == Type::Float { self.float(scope, 1).text } else { self.bool(scope, 1).text };
         };
         match (ty, self.random.below(10)) {
             (_, 0..=2) => name,
@@ -425,6 +440,8 @@ impl Generator {
             (Type::Int, _) => self.int(scope, 2).text,
             (Type::Bool, 3..=5) => format!("!{name}"),
             (Type::Bool, _) => self.bool(scope, 1).text,
+            (Type::Float, 3..=5) => format!("{name} + 0.25"),
+            (Type::Float, _) => self.float(scope, 2).text,
         }
     }
 
