@@ -4,7 +4,7 @@
 
 use burgeon::gpu::{self, Engine, Headless, Requirement};
 use burgeon::io::{bpt, png, write_atomically};
-use burgeon::language::{Value, Vocabulary, compile, diagnostic};
+use burgeon::language::{System, Value, Vocabulary, compile, diagnostic};
 use burgeon::patch::{Axiom, Module, Word};
 use burgeon::plan::{Options, Plan};
 use burgeon::render::{self, Camera, Picture};
@@ -52,6 +52,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     studio.draw("sphere", &studio.derive("sphere", &[])?, copper, picture())?;
     studio.draw("torus", &studio.derive("torus", &[])?, |_| TEAL, sheet())?;
 
+    // Section 2.4, figure 2: refined where it bends, and where it is near the eye.
+    let hill = Picture { camera: Camera::Around { azimuth: -30.0, elevation: 34.0 }, ..picture() };
+    for (name, system) in [("adaptive", "adaptive"), ("adaptive_near", "near")] {
+        let word = studio.derive_with("adaptive", Some(system), Options::default())?;
+        let lines = grid::borders(&word, cells(&word))?;
+        studio.draw(name, &word, copper, Picture { lines, line_width: 0.8, ..hill.clone() })?;
+    }
+
     // The teapot with the borders of its leaves, and as lace.
     let word = studio.derive("teapot", &[])?;
     let lines = grid::borders(&word, GRID)?;
@@ -60,8 +68,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     studio.draw("teapot_lace", &studio.derive("teapot_lace", &[])?, copper, wide)
 }
 
-/// Every leaf becomes so many cells squared.
+/// Every leaf becomes so many cells squared, fewer where there are many leaves.
 const GRID: usize = 8;
+
+fn cells(word: &Word) -> usize {
+    tessellate::grid_for(word.modules.len(), GRID)
+}
 
 fn picture() -> Picture {
     Picture { width: 800, height: 600, supersample: 3, ..Picture::default() }
@@ -88,6 +100,17 @@ impl Studio {
 
     /// From a rule file, with some of its params replaced, to the word that it derives.
     fn derive(&self, name: &str, params: &[(&str, i32)]) -> Result<Word, Box<dyn Error>> {
+        let set = params.iter().map(|&(name, value)| (name.to_string(), Value::Int(value))).collect();
+        self.derive_with(name, None, Options { set, ..Options::default() })
+    }
+
+    /// The same of one of several systems, and with all options.
+    fn derive_with(
+        &self,
+        name: &str,
+        system: Option<&str>,
+        options: Options,
+    ) -> Result<Word, Box<dyn Error>> {
         let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
         let file = examples.join(name).with_extension("burgeon");
         let text = std::fs::read_to_string(&file)?;
@@ -96,10 +119,11 @@ impl Studio {
             let file = file.display().to_string();
             return Err(diagnostic::render(&checked.diagnostics, &file, &text, false).into());
         }
-        let plan = Plan::new(&checked.systems[0])?;
+        let wanted = |s: &&System| system.is_none_or(|name| s.name == name);
+        let system = checked.systems.iter().rfind(wanted).ok_or("no system of that name")?;
+        let plan = Plan::new(system)?;
         let axiom = Axiom::load(&plan.system, &mut |file| bpt::read(examples.join(file), plan.rational()))?;
-        let set = params.iter().map(|&(name, value)| (name.to_string(), Value::Int(value))).collect();
-        let (word, _) = gpu::derive(&self.engine, &plan, &axiom, &Options { set, ..Options::default() })?;
+        let (word, _) = gpu::derive(&self.engine, &plan, &axiom, &options)?;
         println!("{name}: {} steps, {} patches", word.steps, word.modules.len());
         Ok(word)
     }
@@ -112,7 +136,7 @@ impl Studio {
         color: impl Fn(&Module) -> [u8; 3],
         picture: Picture,
     ) -> Result<(), Box<dyn Error>> {
-        let n = tessellate::grid_for(word.modules.len(), GRID);
+        let n = cells(word);
         let mesh = tessellate::dice(word, n)?;
         let picture = Picture { colors: tessellate::per_vertex(word, n, color), ..picture };
         let image = render::render(&self.gpu.device, &self.gpu.queue, &mesh, &picture)?;

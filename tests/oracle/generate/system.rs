@@ -176,7 +176,9 @@ impl Generator {
     fn draw_symbols(&mut self) {
         for name in ["A", "B", "Leaf_1", "D", "E2"].iter().take(self.random.range(1, 5) as usize) {
             let count = *self.random.pick(&[0, 1, 1, 2, 2, 3, 4]);
-            let fields = (0..count).map(|_| *self.random.pick(&[Type::Int, Type::Int, Type::Bool, Type::Float])).collect();
+            let fields = (0..count)
+                .map(|_| *self.random.pick(&[Type::Int, Type::Int, Type::Bool, Type::Float]))
+                .collect();
             self.symbols.push(Symbol { name: name.to_string(), fields });
         }
     }
