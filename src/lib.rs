@@ -72,7 +72,7 @@
 //!   the [names](language::names) that the engine knows, and all [codes](language::codes) of errors.
 //! - [`plan::Options`]: params, memory, progress, stopping. Params are set by name, without compiling anew.
 //! - [`patch`]: nets, words, evaluation of points and normals; [`tessellate`]: leaves to triangles.
-//! - [`io`]: `.bpt`, `.json`, `.obj`, `.png`.
+//! - [`io`]: `.bpt`, `.bv`, `.json`, `.obj`, `.ply`, `.glb`, `.png`.
 //! - [`plan::layout`], then [`plan::step`]: how a step works; both backends walk the same list of passes.
 //! - `conformance` (with the feature `gpu`): the suite that holds a device against the CPU, for the
 //!   command and for programs that embed the engine.

@@ -3,6 +3,7 @@
 mod bad_input;
 #[cfg(feature = "gpu")]
 mod devices;
+mod formats;
 #[cfg(unix)]
 mod interrupted;
 mod output;

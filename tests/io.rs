@@ -1,7 +1,10 @@
 //! Files in and out: what is read, what is refused and where, and that writing loses nothing.
 
-use burgeon::io::bpt::{self, Element, Problem};
-use burgeon::io::{WriteError, write_atomically};
+mod bspline;
+mod bv;
+mod meshes;
+
+use burgeon::io::{Element, Problem, WriteError, bpt, write_atomically};
 use burgeon::language::system::Field;
 use burgeon::language::{Type, Value};
 use burgeon::patch::{Bounds, Cell, Module, Net, Symbol, Word, WordError};
@@ -285,7 +288,7 @@ fn params() -> impl Strategy<Value = Vec<Value>> {
 
 /// Random words; keys count the modules of a root, as they do in a word read from a file.
 fn word() -> impl Strategy<Value = Word> {
-    ((1u8..4, 1u8..4), any::<bool>(), 0usize..6).prop_flat_map(|((m, n), rational, count)| {
+    ((1u8..=8, 1u8..=8), any::<bool>(), 0usize..4).prop_flat_map(|((m, n), rational, count)| {
         let points = count * (m as usize + 1) * (n as usize + 1);
         let weight = if rational { (0.01f32..100.0).boxed() } else { Just(1.0f32).boxed() };
         // Coordinates and weights whose quotient a 32-bit float can hold, as in every net there is.
@@ -543,7 +546,10 @@ mod json_words {
             (module("[1e39]", "[0,0,0,0]", points), "the range of 32-bit floats"),
             (module("[]", "[1,0,2,0]", points), "outside its root"),
             (module("[]", "[0,0,0,0]", "[[0,0,0,1]]"), "1 points where its degrees ask for 4"),
-            (module("[]", "[0,0,0,0]", &points.replace("1,1,0,1", "1,1e39,0,1")), "must be finite"),
+            (
+                module("[]", "[0,0,0,0]", &points.replace("1,1,0,1", "1,1e39,0,1")),
+                "number out of range at line 2",
+            ),
             (module("[]", "[0,0,0,0]", &points.replace("1,1,0,1", "1,1,0,0")), "weight 0"),
         ] {
             let error = json::parse(text.as_bytes()).expect_err(expected).to_string();

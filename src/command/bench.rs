@@ -140,7 +140,7 @@ fn plan(text: &str) -> Result<Plan, Failure> {
 /// 32 patches of a file, or as many made ones.
 fn roots(input: Option<&Path>) -> Result<Vec<Net>, Failure> {
     let Some(path) = input else { return Ok(made(32, [3, 3], false)) };
-    burgeon::io::bpt::read(path, false).map_err(|e| Failure::File(format!("error: {e}")))
+    burgeon::io::read_nets(path, Default::default()).map_err(|e| Failure::File(format!("error: {e}")))
 }
 
 /// Hilly nets.

@@ -9,24 +9,25 @@ pub const RUN_EXAMPLES: &str = "\
 Examples:
   burgeon run teapot.burgeon --out teapot.png
   burgeon run teapot.burgeon --set levels=5 --grid 4 --out teapot.obj --stats
-  burgeon run teapot.burgeon --in my_patches.bpt --backend cpu --out word.json";
+  burgeon run teapot.burgeon --in my_patches.bv --backend cpu --out word.json
+  burgeon run teapot.burgeon --in control_points.obj --bspline --out smooth.glb";
 
 #[derive(Args)]
 pub struct Run {
     #[command(flatten)]
     pub derive: Derive,
-    /// Write the result, by extension: .bpt the nets, .json the exact word, .obj triangles, .png a
-    /// picture; may be given several times
+    /// Write the result, by extension: .bpt and .bv the nets, .json the exact word, .obj, .ply and .glb
+    /// triangles, .png a picture; may be given several times
     #[arg(long, value_name = "FILE")]
     pub out: Vec<PathBuf>,
     /// Where it runs: auto takes a hardware adapter, else a software one, else the CPU backend
     #[arg(long, value_name = "WHERE", value_enum, default_value_t = Backend::Auto)]
     pub backend: Backend,
-    /// Cells along each side of a patch in .obj and .png, two triangles each; halved until the model
+    /// Cells along each side of a patch in .obj, .ply, .glb and .png, two triangles each; halved until the model
     /// has at most 2 million
     #[arg(long, value_name = "N", default_value_t = 8, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=256))]
     pub grid: u32,
-    /// The axis that points up in the picture
+    /// The axis that points up in the picture; in .glb, which has y up, a z is turned there
     #[arg(long, value_name = "AXIS", value_enum, default_value_t = Up::Y)]
     pub up: Up,
     /// Print one line of JSON: backend, adapter, compile_ms, steps (modules, ms), total_ms, peak_bytes
@@ -39,9 +40,12 @@ pub struct Run {
 pub struct Derive {
     #[command(flatten)]
     pub system: System,
-    /// Read the patches from here, in place of the first file that the axiom names
+    /// Read the patches from here, in place of the first file that the axiom names: .bpt, .bv, .json
     #[arg(long = "in", value_name = "FILE")]
     pub input: Option<PathBuf>,
+    /// Read an .obj, too: a grid of quads, as the control points of a uniform bicubic B-spline
+    #[arg(long)]
+    pub bspline: bool,
     /// Stop after N steps in all
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub steps: Option<u32>,

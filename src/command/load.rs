@@ -1,7 +1,7 @@
 //! From the flags to a plan and its axiom.
 
 use super::{Failure, colored, counted, flags, say};
-use burgeon::io::{bpt, values};
+use burgeon::io::{NetOptions, ReadError, read_nets, values};
 use burgeon::language::check::{Checked, compile};
 use burgeon::language::diagnostic::{self, nearest};
 use burgeon::language::expr::Type;
@@ -24,7 +24,7 @@ pub struct Source {
 impl Source {
     /// Reads and checks; diagnostics are not looked at yet.
     pub fn read(path: &Path) -> Result<Source, Failure> {
-        if has_extension(path, "bpt") {
+        if ["bpt", "bv", "json", "obj"].iter().any(|e| has_extension(path, e)) {
             let what = format!("error: {} holds patches, not rules", path.display());
             let help = "help: give the rule file here, and the patches by --in";
             return Err(Failure::Usage(format!("{what}\n{help}")));
@@ -160,7 +160,17 @@ pub fn job(flags: &flags::Derive) -> Result<Job, Failure> {
     let set = set(&source, system, &flags.set)?;
     let uniforms = plan.uniforms(&set).map_err(|e| failure(&source, &plan, e))?;
     schedule::unroll(&plan, &uniforms).map_err(|e| failure(&source, &plan, e))?;
-    let axiom = axiom(&source, system, flags.input.as_deref()).map_err(|e| e.failure(&source))?;
+    let is_obj = |path: &Path| has_extension(path, "obj");
+    let named = files(system);
+    if flags.bspline
+        && !flags.input.as_deref().is_some_and(is_obj)
+        && !named.iter().any(|(name, _)| is_obj(Path::new(name)))
+    {
+        let what = "--bspline is for an .obj, and neither --in nor the axiom names one";
+        return Err(Failure::Usage(format!("error: {what}")));
+    }
+    let axiom =
+        axiom(&source, system, flags.input.as_deref(), flags.bspline).map_err(|e| e.failure(&source))?;
     let bind = bind(&plan.system, &flags.bind)?;
     let view = view(&flags.view, &axiom);
     Given::new(&plan.system, axiom.roots.len(), &bind, view).map_err(|e| failure(&source, &plan, e))?;
@@ -280,8 +290,13 @@ impl AxiomError {
 }
 
 /// Reads the axiom's files, relative to the rule file; `input` stands for every source that names
-/// the same file as the first.
-pub fn axiom(source: &Source, system: &System, input: Option<&Path>) -> Result<patch::Axiom, AxiomError> {
+/// the same file as the first. With `bspline` an .obj is one, too.
+pub fn axiom(
+    source: &Source,
+    system: &System,
+    input: Option<&Path>,
+    bspline: bool,
+) -> Result<patch::Axiom, AxiomError> {
     let files = files(system);
     let first = files.first().map(|(name, _)| *name);
     if let (Some(input), None) = (input, first) {
@@ -291,13 +306,13 @@ pub fn axiom(source: &Source, system: &System, input: Option<&Path>) -> Result<p
     let folder = source.path.parent().unwrap_or(Path::new(""));
     let mut missing = None;
     let mut read = |name: &str| match input {
-        Some(input) if first == Some(name) => read_nets(input, system),
+        Some(input) if first == Some(name) => nets(input, system, bspline),
         _ => {
             let path = folder.join(name);
             if !path.exists() {
                 missing = files.iter().find(|(file, _)| *file == name).map(|(_, span)| *span);
             }
-            read_nets(&path, system)
+            nets(&path, system, bspline)
         }
     };
     let result = patch::Axiom::load(system, &mut read);
@@ -325,16 +340,14 @@ fn files(system: &System) -> Vec<(&str, Span)> {
         .collect()
 }
 
-/// The nets of a .bpt file, of the degree that the system rewrites; a parse error shows the line, cut
+/// The nets of a file, of the degree that the system rewrites; a parse error shows the line, cut
 /// around the place.
-fn read_nets(path: &Path, system: &System) -> Result<Vec<patch::Net>, String> {
-    if !has_extension(path, "bpt") {
-        return Err(format!("cannot read {}: patches are read from .bpt files", path.display()));
-    }
+fn nets(path: &Path, system: &System, bspline: bool) -> Result<Vec<patch::Net>, String> {
     let rational = matches!(system.kind, Kind::Patch { rational: true, .. });
-    let nets = bpt::read(path, rational).map_err(|e| match &e {
-        bpt::ReadError::Io { source, .. } => cannot_read(path, source),
-        bpt::ReadError::Text { error, .. } => {
+    let nets = read_nets(path, NetOptions { rational, bspline }).map_err(|e| match &e {
+        ReadError::Io { source, .. } => cannot_read(path, source),
+        ReadError::Word { .. } | ReadError::Format { .. } => e.to_string(),
+        ReadError::Text { error, .. } => {
             let bytes = std::fs::read(path).unwrap_or_default();
             let line = bytes.split(|b| *b == b'\n').nth(error.line.saturating_sub(1)).unwrap_or(&[]);
             format!("{e}\n{}", excerpt(&String::from_utf8_lossy(line), error.line, error.column))

@@ -6,16 +6,29 @@ use super::stop::{self, Stoppable};
 use super::{Failure, flags, load};
 use burgeon::io::{self, FileError, WriteError};
 use burgeon::patch::Word;
-use burgeon::tessellate::{self, Mesh};
+use burgeon::tessellate::{self, Mesh, Up};
 use std::path::{Path, PathBuf};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
     Bpt,
+    Bv,
     Json,
     Obj,
+    Ply,
+    Glb,
     Png,
 }
+
+const FORMATS: [(&str, Format); 7] = [
+    ("bpt", Format::Bpt),
+    ("bv", Format::Bv),
+    ("json", Format::Json),
+    ("obj", Format::Obj),
+    ("ply", Format::Ply),
+    ("glb", Format::Glb),
+    ("png", Format::Png),
+];
 
 /// A file to be written.
 pub struct Target {
@@ -25,14 +38,12 @@ pub struct Target {
 
 /// The targets, before anything runs: an extension that nobody writes is wrong usage.
 pub fn targets(paths: &[PathBuf]) -> Result<Vec<Target>, Failure> {
-    const FORMATS: [(&str, Format); 4] =
-        [("bpt", Format::Bpt), ("json", Format::Json), ("obj", Format::Obj), ("png", Format::Png)];
     let target = |path: &PathBuf| {
         let format = FORMATS.iter().find(|(extension, _)| load::has_extension(path, extension));
         match format {
             Some((_, format)) => Ok(Target { path: path.clone(), format: *format }),
             None => {
-                let what = "patches are written as .bpt, .json, .obj or .png";
+                let what = "patches are written as .bpt, .bv, .json, .obj, .ply, .glb or .png";
                 Err(Failure::Usage(format!("error: --out {}: {what}", path.display())))
             }
         }
@@ -53,7 +64,12 @@ pub fn write(
     device: Option<&Device>,
     bar: &Bar,
 ) -> Result<(), Failure> {
-    let needs_mesh = targets.iter().any(|t| matches!(t.format, Format::Obj | Format::Png));
+    let needs_mesh = targets.iter().any(|t| !matches!(t.format, Format::Bpt | Format::Bv | Format::Json));
+    let name = &word.system;
+    let up = match flags.up {
+        flags::Up::Y => Up::Y,
+        flags::Up::Z => Up::Z,
+    };
     let mesh = if needs_mesh { mesh(word, flags.grid as usize, bar) } else { Ok(Mesh::default()) };
     let mut failures = Vec::new();
     for target in targets {
@@ -63,9 +79,12 @@ pub fn write(
         bar.writing(&target.path);
         let result = match (target.format, &mesh) {
             (Format::Bpt, _) => file(&target.path, |w| io::bpt::write(w, word)),
+            (Format::Bv, _) => file(&target.path, |w| io::bv::write(w, word)),
             (Format::Json, _) => file(&target.path, |w| io::json::write(w, word)),
-            (Format::Obj, Ok(mesh)) => file(&target.path, |w| io::obj::write(w, mesh, &word.system)),
-            (Format::Png, Ok(mesh)) => picture(&target.path, mesh, flags, device),
+            (Format::Obj, Ok(mesh)) => file(&target.path, |w| io::obj::write(w, mesh, name)),
+            (Format::Ply, Ok(mesh)) => file(&target.path, |w| io::ply::write(w, mesh, name)),
+            (Format::Glb, Ok(mesh)) => file(&target.path, |w| io::glb::write(w, mesh, name, up)),
+            (Format::Png, Ok(mesh)) => picture(&target.path, mesh, up, flags, device),
             (_, Err(why)) => Err(Failure::Device(format!("error: {}: {why}", target.path.display()))),
         };
         failures.extend(result.err());
@@ -92,7 +111,13 @@ fn file(
 }
 
 #[cfg(feature = "gpu")]
-fn picture(path: &Path, mesh: &Mesh, flags: &flags::Run, device: Option<&Device>) -> Result<(), Failure> {
+fn picture(
+    path: &Path,
+    mesh: &Mesh,
+    up: Up,
+    flags: &flags::Run,
+    device: Option<&Device>,
+) -> Result<(), Failure> {
     use burgeon::gpu::Requirement;
     use burgeon::render::{self, Picture};
     let no_device = |e: burgeon::gpu::Error| Failure::Device(format!("error: {}: {e}", path.display()));
@@ -106,10 +131,6 @@ fn picture(path: &Path, mesh: &Mesh, flags: &flags::Run, device: Option<&Device>
             &own
         }
     };
-    let up = match flags.up {
-        flags::Up::Y => render::Up::Y,
-        flags::Up::Z => render::Up::Z,
-    };
     let options = Picture { up, ..Picture::default() };
     let image = render::render(&device.device, &device.queue, mesh, &options)
         .map_err(|e| Failure::Device(format!("error: {}: {e}", path.display())))?;
@@ -117,6 +138,6 @@ fn picture(path: &Path, mesh: &Mesh, flags: &flags::Run, device: Option<&Device>
 }
 
 #[cfg(not(feature = "gpu"))]
-fn picture(path: &Path, _: &Mesh, _: &flags::Run, _: Option<&Device>) -> Result<(), Failure> {
+fn picture(path: &Path, _: &Mesh, _: Up, _: &flags::Run, _: Option<&Device>) -> Result<(), Failure> {
     Err(Failure::Device(format!("error: {}: this burgeon was built without the feature gpu", path.display())))
 }

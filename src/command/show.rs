@@ -54,7 +54,7 @@ fn compiled(source: &Source, system: &System) -> Result<String, Wrong> {
     if matches!(system.axiom, Axiom::None) {
         return Ok("checked and compiled; `run` needs an axiom".to_string());
     }
-    match load::axiom(source, system, None) {
+    match load::axiom(source, system, None, true) {
         Ok(axiom) => Ok(format!("checked and compiled, {}", counted(axiom.roots.len() as u64, "root"))),
         // The rules may be right where the file is not there yet.
         Err(AxiomError::Missing(d)) => Ok(format!("checked and compiled; {}", d.message)),

@@ -15,106 +15,18 @@
 //! of the file have three numbers if that uses up the file exactly, else all have four.
 
 use super::number::{write_f32, write_f64, write_usize};
-use super::write::WriteError;
-use crate::patch::{MAX_DEGREE, Net, Word};
-use std::fmt;
+use super::text::{self, Element, ParseError, Problem, ReadError, Tokens, Wrong};
+use super::write::{WriteError, check_point};
+use crate::patch::{Net, Word};
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
-use thiserror::Error;
-
-/// Why a `.bpt` file could not be read.
-#[derive(Debug, Error)]
-pub enum ReadError {
-    #[error("cannot read {}: {source}", path.display())]
-    Io { path: PathBuf, source: io::Error },
-    #[error("{}:{error}", path.display())]
-    Text { path: PathBuf, error: ParseError },
-}
-
-/// What is wrong with the text of a `.bpt` file, and where. Lines and columns (in characters) count
-/// from 1; what is missing at the end of the text lies just behind its last character.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[error("{line}:{column}: {problem}")]
-pub struct ParseError {
-    pub line: usize,
-    pub column: usize,
-    pub problem: Problem,
-}
-
-/// What is wrong, and what would be right. Patches and points count from 0.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum Problem {
-    #[error("the file ends where {0} should stand")]
-    Missing(Element),
-    #[error("`{found}` stands where {expected} should: a whole number is needed")]
-    NotACount { expected: Element, found: String },
-    #[error(
-        "{count} patches are announced, but a file of {bytes} bytes cannot hold more than {possible}: \
-         the number of patches comes first"
-    )]
-    TooMany { count: String, bytes: usize, possible: usize },
-    #[error("{degree} is `{found}`; degrees are from 1 to 8")]
-    Degree { degree: Element, found: String },
-    #[error("`{found}` stands where {expected} should: a number is needed")]
-    NotANumber { expected: Element, found: String },
-    #[error("{element} is `{found}`; coordinates must be finite")]
-    NotFinite { element: Element, found: String },
-    #[error("{element} is `{found}`, beyond the range of 32-bit floats (3.4e38)")]
-    Overflow { element: Element, found: String },
-    #[error("{element} is `{found}`; weights must be positive")]
-    NotPositive { element: Element, found: String },
-    #[error("{element} is `{found}`, but the nets wanted are polynomial: weights must be 1 or left out")]
-    NotOne { element: Element, found: String },
-    #[error("{found} numbers on this line where {point} should stand: write `x y z` or `x y z w`")]
-    Line { point: Element, found: usize },
-    #[error("`{found}` follows after the last of {patches} patches: nothing may")]
-    Trailing { patches: usize, found: String },
-}
-
-/// Something that the file names or should name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Element {
-    Count,
-    /// Direction 0 is u (rows), 1 is v (columns).
-    Degree {
-        patch: usize,
-        direction: usize,
-    },
-    Point {
-        patch: usize,
-        point: usize,
-    },
-    /// Axis 0..=2 is x, y, z; 3 is the weight.
-    Coordinate {
-        patch: usize,
-        point: usize,
-        axis: usize,
-    },
-}
-
-impl fmt::Display for Element {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match *self {
-            Element::Count => f.write_str("the number of patches"),
-            Element::Degree { patch, direction } => {
-                write!(f, "the degree along {} of patch {patch}", ["u", "v"][direction])
-            }
-            Element::Point { patch, point } => write!(f, "point {point} of patch {patch}"),
-            Element::Coordinate { patch, point, axis } => {
-                write!(f, "{} of point {point} of patch {patch}", ["x", "y", "z", "the weight"][axis])
-            }
-        }
-    }
-}
+use std::path::Path;
 
 /// Reads the nets of a file: [`parse`] with the path in every error.
 ///
 /// # Errors
 /// When the file cannot be read or its text is wrong.
 pub fn read(path: impl AsRef<Path>, rational: bool) -> Result<Vec<Net>, ReadError> {
-    let path = path.as_ref();
-    let text = std::fs::read(path).map_err(|source| ReadError::Io { path: path.into(), source })?;
-    parse(&text, rational).map_err(|error| ReadError::Text { path: path.into(), error })
+    ReadError::in_file(path.as_ref(), |text| parse(text, rational))
 }
 
 /// Reads nets of degrees 1 to 8 from text. Unless `rational`, all weights must be 1.
@@ -137,99 +49,12 @@ enum Form {
     Always(usize),
 }
 
-/// A problem at a byte of the text.
-struct Wrong {
-    offset: usize,
-    problem: Problem,
-}
-
-impl Wrong {
-    fn locate(self, text: &[u8]) -> ParseError {
-        let before = &text[..self.offset.min(text.len())];
-        let start = before.iter().rposition(|&byte| byte == b'\n').map_or(0, |newline| newline + 1);
-        ParseError {
-            line: before.iter().filter(|&&byte| byte == b'\n').count() + 1,
-            column: String::from_utf8_lossy(&before[start..]).chars().count() + 1,
-            problem: self.problem,
-        }
-    }
-}
-
-/// A run of bytes between white space.
-#[derive(Clone, Copy)]
-struct Token<'a> {
-    text: &'a [u8],
-    offset: usize,
-}
-
-impl Token<'_> {
-    /// As messages show it: cut short, since a token may be as long as the file.
-    fn shown(&self) -> String {
-        let text = String::from_utf8_lossy(self.text);
-        match text.char_indices().nth(40) {
-            Some((end, _)) => format!("{}…", &text[..end]),
-            None => text.into_owned(),
-        }
-    }
-
-    fn parse<T: std::str::FromStr>(&self) -> Option<T> {
-        std::str::from_utf8(self.text).ok()?.parse().ok()
-    }
-
-    fn wrong(&self, problem: Problem) -> Wrong {
-        Wrong { offset: self.offset, problem }
-    }
-}
-
-/// The tokens from a place on. Cheap to copy: looking ahead is reading a copy.
-#[derive(Clone)]
-struct Tokens<'a> {
-    text: &'a [u8],
-    offset: usize,
-}
-
-impl<'a> Tokens<'a> {
-    fn new(text: &'a [u8]) -> Tokens<'a> {
-        // Some editors open every file with this mark.
-        let offset = if text.starts_with("\u{feff}".as_bytes()) { 3 } else { 0 };
-        Tokens { text, offset }
-    }
-
-    /// The next token, which should be `element`.
-    fn expect(&mut self, element: Element) -> Result<Token<'a>, Wrong> {
-        let end = self.text.trim_ascii_end().len();
-        self.next().ok_or(Wrong { offset: end, problem: Problem::Missing(element) })
-    }
-
-    /// How many tokens are left on the line of the next one.
-    fn on_line(&self) -> usize {
-        let Some(next) = self.clone().next() else { return 0 };
-        let line = self.text[next.offset..].split(|&byte| byte == b'\n').next().unwrap_or_default();
-        Tokens { text: line, offset: 0 }.count()
-    }
-}
-
-impl<'a> Iterator for Tokens<'a> {
-    type Item = Token<'a>;
-
-    fn next(&mut self) -> Option<Token<'a>> {
-        let rest = &self.text[self.offset..];
-        let start = rest.iter().position(|byte| !byte.is_ascii_whitespace())?;
-        let rest = &rest[start..];
-        let length = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
-        let offset = self.offset + start;
-        self.offset = offset + length;
-        Some(Token { text: &rest[..length], offset })
-    }
-}
-
 /// The number of patches, checked against what the text can hold at all.
 fn count(tokens: &mut Tokens) -> Result<usize, Wrong> {
     // Two degrees and four points of three numbers, each a digit and a space.
     const SMALLEST_PATCH: usize = 2 * (2 + 4 * 3);
     let token = tokens.expect(Element::Count)?;
-    let digits = !token.text.is_empty() && token.text.iter().all(u8::is_ascii_digit);
-    if !digits {
+    if !token.is_whole() {
         return Err(token.wrong(Problem::NotACount { expected: Element::Count, found: token.shown() }));
     }
     let (bytes, possible) = (tokens.text.len(), tokens.text.len() / SMALLEST_PATCH);
@@ -241,18 +66,8 @@ fn count(tokens: &mut Tokens) -> Result<usize, Wrong> {
     }
 }
 
-/// The degrees of a patch, which bound its points to 81.
 fn degrees(tokens: &mut Tokens, patch: usize) -> Result<[u8; 2], Wrong> {
-    let mut degree = [0; 2];
-    for (direction, value) in degree.iter_mut().enumerate() {
-        let element = Element::Degree { patch, direction };
-        let token = tokens.expect(element)?;
-        *value = match token.parse::<u8>() {
-            Some(degree) if (1..=MAX_DEGREE).contains(&degree) => degree,
-            _ => return Err(token.wrong(Problem::Degree { degree: element, found: token.shown() })),
-        };
-    }
-    Ok(degree)
+    Ok([text::degree(tokens, patch, 0)?, text::degree(tokens, patch, 1)?])
 }
 
 /// Which form the text has, or what keeps it from having any.
@@ -374,21 +189,15 @@ fn homogeneous_point(
     let mut homogeneous = [1.0; 4];
     for (axis, token) in read.iter_mut().enumerate() {
         let found = tokens.expect(element(axis))?;
-        homogeneous[axis] = finite(found, element(axis))?;
+        homogeneous[axis] = found.finite(element(axis))?;
         *token = Some(found);
     }
     if numbers < 4 {
         return Ok(homogeneous);
     }
     let token = tokens.expect(element(3))?;
-    let weight = finite(token, element(3))?;
-    if weight <= 0.0 {
-        return Err(token.wrong(Problem::NotPositive { element: element(3), found: token.shown() }));
-    }
+    let weight = token.weight(element(3), rational)?;
     if weight != 1.0 {
-        if !rational {
-            return Err(token.wrong(Problem::NotOne { element: element(3), found: token.shown() }));
-        }
         for (axis, token) in read.into_iter().enumerate() {
             let Some(token) = token else { continue };
             let exact = token.parse::<f64>().unwrap_or(f64::NAN);
@@ -409,20 +218,6 @@ fn weighted(coordinate: f64, weight: f32) -> f32 {
     (coordinate * f64::from(weight)) as f32
 }
 
-fn finite(token: Token, element: Element) -> Result<f32, Wrong> {
-    let found = || token.shown();
-    let Some(value) = token.parse::<f32>() else {
-        return Err(token.wrong(Problem::NotANumber { expected: element, found: found() }));
-    };
-    // Rust reads `inf` and `nan` as numbers; a number with digits that is infinite was too large.
-    let digits = token.text.iter().any(u8::is_ascii_digit);
-    match value.is_finite() {
-        true => Ok(value),
-        false if digits => Err(token.wrong(Problem::Overflow { element, found: found() })),
-        false => Err(token.wrong(Problem::NotFinite { element, found: found() })),
-    }
-}
-
 /// Writes the nets of a word, with weights if the word is rational. Reading them back gives the same
 /// f32, bit for bit.
 ///
@@ -435,25 +230,12 @@ pub fn write(writer: &mut dyn Write, word: &Word) -> Result<(), WriteError> {
     for index in 0..word.modules.len() {
         write!(writer, "\n{m} {n}")?;
         for (point, homogeneous) in word.net(index).iter().enumerate() {
-            check(index, point, homogeneous)?;
+            check_point(index, point, homogeneous)?;
             write_point(writer, homogeneous, word.rational)?;
         }
     }
     writer.write_all(b"\n")?;
     Ok(())
-}
-
-fn check(module: usize, point: usize, &[x, y, z, weight]: &[f32; 4]) -> Result<(), WriteError> {
-    // A weight that is NaN is found as such, not as one that is not positive.
-    if weight <= 0.0 {
-        return Err(WriteError::Unsupported(format!(
-            "point {point} of module {module} has the weight {weight}; a file of patches holds positive ones"
-        )));
-    }
-    match [x / weight, y / weight, z / weight, weight].into_iter().find(|x| !x.is_finite()) {
-        Some(value) => Err(WriteError::not_finite(format_args!("point {point} of module {module}"), value)),
-        None => Ok(()),
-    }
 }
 
 fn write_point(writer: &mut dyn Write, homogeneous: &[f32; 4], rational: bool) -> io::Result<()> {

@@ -11,19 +11,21 @@
 //! included; int parameters have neither, so the type of a parameter shows.
 
 use super::number::Number;
+use super::text::{ParseError, Problem, ReadError};
 use super::write::WriteError;
 use crate::language::Value;
 use crate::language::system::Field;
-use crate::patch::{Cell, Module, Symbol, Word, WordError, net_points};
+use crate::patch::{Cell, Module, Net, Symbol, Word, WordError, net_points};
 use serde::ser::{Serialize, Serializer};
 use serde::{Deserialize, Serialize as DeriveSerialize};
 use std::collections::BTreeMap;
 use std::io::Write;
+use std::path::Path;
 use thiserror::Error;
 
-/// Why a word could not be read.
+/// Why a text is no word.
 #[derive(Debug, Error)]
-pub enum ReadError {
+pub enum WordReadError {
     /// Its text names line and column.
     #[error("{0}")]
     Json(#[from] serde_json::Error),
@@ -35,6 +37,8 @@ pub enum ReadError {
     Parameter { module: usize, parameter: usize, found: String, expected: &'static str },
     #[error("{0}")]
     Word(#[from] WordError),
+    #[error("point {point} of module {module} has the weight {weight}; the nets wanted are polynomial")]
+    Rational { module: usize, point: usize, weight: f32 },
 }
 
 /// What the file says of one module.
@@ -171,6 +175,42 @@ struct ReadHead {
     kind: String,
 }
 
+/// Reads the nets of the word in a file, in its order; symbols and parameters are left out. Unless
+/// `rational`, all weights must be 1.
+///
+/// # Errors
+/// When the file cannot be read, or as [`parse`] says; [`WordReadError::Rational`].
+pub fn read_nets(path: impl AsRef<Path>, rational: bool) -> Result<Vec<Net>, ReadError> {
+    let path = path.as_ref();
+    let text = ReadError::bytes(path)?;
+    let word = parse(&text).map_err(|error| match error {
+        WordReadError::Json(error) => ReadError::Text { path: path.into(), error: place(&text, &error) },
+        error => ReadError::Word { path: path.into(), error: Box::new(error) },
+    })?;
+    match word.nets.iter().position(|point| !rational && point[3] != 1.0) {
+        Some(index) => {
+            let (module, point) = (index / word.net_points(), index % word.net_points());
+            let error = WordReadError::Rational { module, point, weight: word.nets[index][3] };
+            Err(ReadError::Word { path: path.into(), error: Box::new(error) })
+        }
+        None => {
+            let nets = word.nets.chunks(word.net_points());
+            Ok(nets.map(|points| Net { degree: word.degree, points: points.to_vec() }).collect())
+        }
+    }
+}
+
+/// An error of the JSON reader, which counts columns in bytes and says the place behind its words.
+fn place(text: &[u8], error: &serde_json::Error) -> ParseError {
+    let (line, column) = (error.line().max(1), error.column().max(1));
+    let said = error.to_string();
+    let problem = said.rsplit_once(" at line ").map_or(said.as_str(), |(problem, _)| problem);
+    let bytes = text.split(|&byte| byte == b'\n').nth(line - 1).unwrap_or_default();
+    let before = &bytes[..(column - 1).min(bytes.len())];
+    let column = String::from_utf8_lossy(before).chars().count() + 1;
+    ParseError { line, column, problem: Problem::Json(problem.into()) }
+}
+
 /// Reads a word that [`write()`] wrote, or another program.
 ///
 /// What the file does not say is made up: the symbols are those that occur, in order of appearance,
@@ -179,13 +219,13 @@ struct ReadHead {
 ///
 /// # Errors
 /// When the text is no such word, or the word does not hold together ([`Word::validate`]).
-pub fn parse(text: &[u8]) -> Result<Word, ReadError> {
+pub fn parse(text: &[u8]) -> Result<Word, WordReadError> {
     let head: ReadHead = serde_json::from_slice(text)?;
     if head.version != 1 {
-        return Err(ReadError::Version(head.version));
+        return Err(WordReadError::Version(head.version));
     }
     if head.kind != "patch" {
-        return Err(ReadError::Kind(head.kind));
+        return Err(WordReadError::Kind(head.kind));
     }
     let file: ReadFile = serde_json::from_slice(text)?;
     let degree = file.modules.first().map_or([3, 3], |module| module.net.degree);
@@ -232,9 +272,9 @@ fn symbol(name: &str, params: &[Value]) -> Symbol {
     Symbol { name: name.into(), fields: params.iter().enumerate().map(field).collect() }
 }
 
-fn parameters(module: usize, params: &[serde_json::Value]) -> Result<Vec<Value>, ReadError> {
+fn parameters(module: usize, params: &[serde_json::Value]) -> Result<Vec<Value>, WordReadError> {
     let read = |(parameter, found): (usize, &serde_json::Value)| {
-        self::parameter(found).map_err(|expected| ReadError::Parameter {
+        self::parameter(found).map_err(|expected| WordReadError::Parameter {
             module,
             parameter,
             found: found.to_string(),

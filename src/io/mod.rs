@@ -4,12 +4,19 @@
 //! sees to it that a failed run leaves no partial file behind.
 
 pub mod bpt;
+pub mod bv;
+pub mod glb;
 pub mod json;
+mod nets;
 mod number;
 pub mod obj;
+pub mod ply;
 pub mod png;
+mod text;
 pub mod values;
 mod write;
 
+pub use nets::{NetOptions, read_nets};
 pub use number::write_f32;
+pub use text::{Element, ParseError, Problem, ReadError};
 pub use write::{FileError, WriteError, write_atomically};

@@ -1,5 +1,6 @@
 //! Whole files or none.
 
+use crate::tessellate::Mesh;
 use rayon::prelude::*;
 use std::fs::{self, OpenOptions};
 use std::io::{self, BufWriter, Write};
@@ -122,6 +123,44 @@ fn finish<W: Write>(
     content(&mut writer)?;
     writer.flush()?;
     Ok(())
+}
+
+/// Whether the formats of meshes can say this vertex: all its numbers are finite.
+pub(super) fn check_vertex(mesh: &Mesh, vertex: usize) -> Result<(), WriteError> {
+    let check = |what: &str, vector: &[f32]| match vector.iter().find(|x| !x.is_finite()) {
+        Some(&value) => Err(WriteError::not_finite(format_args!("{what} of vertex {vertex}"), value)),
+        None => Ok(()),
+    };
+    check("the position", &mesh.positions[vertex])?;
+    check("the normal", &mesh.normals[vertex])?;
+    check("the uv", &mesh.uvs[vertex])
+}
+
+/// A name that stands on a line of its own: line breaks and other control characters become `_`, an
+/// empty one `mesh`.
+pub(super) fn one_line(name: &str) -> String {
+    match name.trim() {
+        "" => "mesh".into(),
+        name => name.chars().map(|c| if c.is_control() { '_' } else { c }).collect(),
+    }
+}
+
+/// Whether a file of patches can say this point; readers take no other.
+pub(super) fn check_point(
+    module: usize,
+    point: usize,
+    &[x, y, z, weight]: &[f32; 4],
+) -> Result<(), WriteError> {
+    // A weight that is NaN is found as such, not as one that is not positive.
+    if weight <= 0.0 {
+        return Err(WriteError::Unsupported(format!(
+            "point {point} of module {module} has the weight {weight}; a file of patches holds positive ones"
+        )));
+    }
+    match [x / weight, y / weight, z / weight, weight].into_iter().find(|x| !x.is_finite()) {
+        Some(value) => Err(WriteError::not_finite(format_args!("point {point} of module {module}"), value)),
+        None => Ok(()),
+    }
 }
 
 /// Writes elements 0..count, each as `element` appends it to its block: many blocks at once, in order.

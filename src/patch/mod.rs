@@ -4,14 +4,16 @@
 //! memory; w = 1 when the net is not rational.
 //!
 //! [`evaluate`] gives points, derivatives and normals of a net, [`validate`] says whether a word
-//! holds together.
+//! holds together, [`bspline`] makes nets of the control points of a B-spline.
 
 pub mod axiom;
+pub mod bspline;
 pub mod evaluate;
 pub mod validate;
 pub mod values;
 
 pub use axiom::{Axiom, AxiomError, Root};
+pub use bspline::ControlGrid;
 pub use evaluate::{NetRef, Parameter, Sample};
 pub use validate::{NetError, WordError};
 pub use values::{Grid, Values};

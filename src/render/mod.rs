@@ -9,6 +9,7 @@ mod supersample;
 
 use crate::io::png::Image;
 use crate::tessellate::Mesh;
+pub use crate::tessellate::Up;
 use thiserror::Error;
 
 /// What a picture shows and how.
@@ -61,16 +62,6 @@ impl Default for Picture {
             line_width: 1.5,
         }
     }
-}
-
-/// Which axis of the model points up.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Up {
-    /// The front is seen from +z.
-    #[default]
-    Y,
-    /// The front is seen from −y.
-    Z,
 }
 
 /// How dark a full shadow on the ground is, 0..=1.

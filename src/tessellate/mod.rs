@@ -4,6 +4,16 @@ pub mod grid;
 
 pub use grid::{Error, dice, grid_for, per_vertex};
 
+/// Which axis of a model points up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Up {
+    /// The front is seen from +z.
+    #[default]
+    Y,
+    /// The front is seen from −y.
+    Z,
+}
+
 /// An indexed triangle mesh. Positions, normals and uvs run in parallel, one of each a vertex.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {

@@ -1,7 +1,7 @@
-//! Triangle meshes as Wavefront `.obj`.
+//! Triangle meshes.
 
-use super::number::{write_each, write_usize};
-use super::write::{WriteError, write_in_blocks};
+use super::super::number::{write_each, write_usize};
+use super::super::write::{WriteError, check_vertex, one_line, write_in_blocks};
 use crate::tessellate::Mesh;
 use std::io::{self, Write};
 
@@ -14,11 +14,10 @@ use std::io::{self, Write};
 /// # Errors
 /// What the writer reports; a number that is not finite, naming the vertex.
 pub fn write(writer: &mut dyn Write, mesh: &Mesh, name: &str) -> Result<(), WriteError> {
-    let name: String = name.trim().chars().map(|c| if c.is_control() { '_' } else { c }).collect();
-    writeln!(writer, "o {}", if name.is_empty() { "mesh" } else { &name })?;
-    vectors(writer, "v", "the position", &mesh.positions)?;
-    vectors(writer, "vt", "the uv", &mesh.uvs)?;
-    vectors(writer, "vn", "the normal", &mesh.normals)?;
+    writeln!(writer, "o {}", one_line(name))?;
+    vectors(writer, "v", mesh, &mesh.positions)?;
+    vectors(writer, "vt", mesh, &mesh.uvs)?;
+    vectors(writer, "vn", mesh, &mesh.normals)?;
     let triangles = mesh.indices.len() / 3;
     write_in_blocks(writer, triangles, |index, text| Ok(face(text, &mesh.indices[3 * index..3 * index + 3])?))
 }
@@ -26,16 +25,13 @@ pub fn write(writer: &mut dyn Write, mesh: &Mesh, name: &str) -> Result<(), Writ
 fn vectors<const N: usize>(
     writer: &mut dyn Write,
     keyword: &str,
-    what: &str,
+    mesh: &Mesh,
     vectors: &[[f32; N]],
 ) -> Result<(), WriteError> {
     write_in_blocks(writer, vectors.len(), |vertex, text| {
-        let vector = &vectors[vertex];
-        if let Some(&value) = vector.iter().find(|x| !x.is_finite()) {
-            return Err(WriteError::not_finite(format_args!("{what} of vertex {vertex}"), value));
-        }
+        check_vertex(mesh, vertex)?;
         text.extend_from_slice(keyword.as_bytes());
-        write_each(text, b" ", vector)?;
+        write_each(text, b" ", &vectors[vertex])?;
         text.push(b'\n');
         Ok(())
     })

@@ -1,0 +1,113 @@
+//! The vertices and faces of a text.
+
+use super::super::text::{Element, Problem, Token, Tokens, Wrong};
+use std::ops::Range;
+
+/// Vertices and faces in the order of the text.
+pub struct Polygons {
+    pub vertices: Vec<Vertex>,
+    /// Indices from 0, one face after the other.
+    pub corners: Vec<u32>,
+    pub faces: Vec<Face>,
+    /// Just behind the last character.
+    pub end: usize,
+}
+
+pub struct Vertex {
+    /// Homogeneous, with the decimals as written.
+    pub point: [f64; 4],
+    /// Where it stands in the text.
+    pub offset: usize,
+}
+
+pub struct Face {
+    /// Of the corners.
+    pub range: Range<usize>,
+    /// Where it stands in the text.
+    pub offset: usize,
+}
+
+/// Reads the text line by line. Unless `rational`, all weights must be 1.
+pub fn polygons(text: &[u8], rational: bool) -> Result<Polygons, Wrong> {
+    let lines = || statements(text).filter_map(|mut tokens| Some((tokens.next()?, tokens)));
+    let count = lines().filter(|(keyword, _)| keyword.text == b"v").count();
+    let mut read = Polygons {
+        vertices: Vec::with_capacity(count),
+        corners: Vec::new(),
+        faces: Vec::new(),
+        end: text.trim_ascii_end().len(),
+    };
+    for (keyword, rest) in lines() {
+        match keyword.text {
+            b"v" => {
+                let point = vertex(&keyword, rest, read.vertices.len() + 1, rational)?;
+                read.vertices.push(Vertex { point, offset: keyword.offset });
+            }
+            b"f" => {
+                let (first, face) = (read.corners.len(), Element::Face { face: read.faces.len() + 1 });
+                for token in rest {
+                    read.corners.push(corner(&token, face, read.vertices.len(), count)?);
+                }
+                read.faces.push(Face { range: first..read.corners.len(), offset: keyword.offset });
+            }
+            b"vt" | b"vn" | b"vp" | b"g" | b"o" | b"s" | b"l" | b"p" | b"t" | b"usemtl" | b"mtllib" => {}
+            _ => return Err(keyword.wrong(Problem::Statement { found: keyword.shown() })),
+        }
+    }
+    Ok(read)
+}
+
+/// The lines, each up to its comment.
+fn statements(text: &[u8]) -> impl Iterator<Item = Tokens<'_>> {
+    let mut start = Tokens::new(text).offset;
+    std::iter::from_fn(move || {
+        let rest = text.get(start..).filter(|rest| !rest.is_empty())?;
+        let length = rest.iter().position(|&byte| byte == b'\n').unwrap_or(rest.len());
+        let shown = rest[..length].iter().position(|&byte| byte == b'#').unwrap_or(length);
+        let line = Tokens { text: &text[..start + shown], offset: start };
+        start += length + 1;
+        Some(line)
+    })
+}
+
+fn vertex(keyword: &Token, rest: Tokens, vertex: usize, rational: bool) -> Result<[f64; 4], Wrong> {
+    let found = rest.clone().count();
+    if !matches!(found, 3 | 4 | 6) {
+        return Err(keyword.wrong(Problem::Vertex { vertex: Element::Vertex { vertex }, found }));
+    }
+    let mut point = [0.0, 0.0, 0.0, 1.0];
+    for (axis, token) in rest.take(if found == 4 { 4 } else { 3 }).enumerate() {
+        let element = Element::VertexCoordinate { vertex, axis };
+        if axis == 3 {
+            let weight = f64::from(token.weight(element, rational)?);
+            point = [point[0] * weight, point[1] * weight, point[2] * weight, weight];
+        } else {
+            token.finite(element)?;
+            point[axis] = token.parse().unwrap_or(f64::NAN);
+        }
+    }
+    match point.iter().position(|&x| !(x as f32).is_finite()) {
+        None => Ok(point),
+        Some(axis) => {
+            let (element, found) = (Element::VertexCoordinate { vertex, axis }, format!("{:e}", point[axis]));
+            Err(keyword.wrong(Problem::Overflow { element, found }))
+        }
+    }
+}
+
+/// The index of a corner, from 0. Negative ones count back from the vertices `before` the face.
+fn corner(token: &Token, face: Element, before: usize, vertices: usize) -> Result<u32, Wrong> {
+    let wrong = || token.wrong(Problem::Corner { face, found: token.shown() });
+    let mut parts = token.text.split(|&byte| byte == b'/').map(|text| Token { text, offset: token.offset });
+    let index: i64 = parts.next().and_then(|part| part.parse()).filter(|&i| i != 0).ok_or_else(wrong)?;
+    let others: Vec<Token> = parts.collect();
+    let is_index = |part: &Token| part.text.is_empty() || part.parse::<i64>().is_some_and(|i| i != 0);
+    if others.len() > 2 || !others.iter().all(is_index) || others.last().is_some_and(|t| t.text.is_empty()) {
+        return Err(wrong());
+    }
+    let from_zero = if index > 0 { index - 1 } else { before as i64 + index };
+    match u32::try_from(from_zero) {
+        Ok(corner) if (corner as usize) < vertices => Ok(corner),
+        _ => Err(token.wrong(Problem::NoVertex { face, found: index.to_string(), vertices })),
+    }
+}

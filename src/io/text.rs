@@ -1,0 +1,290 @@
+//! Text that is read word by word: the scanner, and what can be wrong at a place.
+
+use super::obj::GridError;
+use std::fmt;
+use std::io;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Why a file of patches could not be read.
+#[derive(Debug, Error)]
+pub enum ReadError {
+    #[error("cannot read {}: {source}", path.display())]
+    Io { path: PathBuf, source: io::Error },
+    #[error("{}:{error}", path.display())]
+    Text { path: PathBuf, error: ParseError },
+    /// The text is well formed, but not what it should be.
+    #[error("{}: {error}", path.display())]
+    Word { path: PathBuf, error: Box<super::json::WordReadError> },
+    /// Nobody reads patches from a file of this name.
+    #[error("cannot read {}: {help}", path.display())]
+    Format { path: PathBuf, help: &'static str },
+}
+
+impl ReadError {
+    /// Reads a file and parses it, with the path in every error.
+    pub(super) fn in_file<T>(
+        path: &Path,
+        parse: impl FnOnce(&[u8]) -> Result<T, ParseError>,
+    ) -> Result<T, ReadError> {
+        let text = ReadError::bytes(path)?;
+        parse(&text).map_err(|error| ReadError::Text { path: path.into(), error })
+    }
+
+    pub(super) fn bytes(path: &Path) -> Result<Vec<u8>, ReadError> {
+        std::fs::read(path).map_err(|source| ReadError::Io { path: path.into(), source })
+    }
+}
+
+/// What is wrong with a text, and where. Lines and columns (in characters) count from 1; what is
+/// missing at the end of the text lies just behind its last character.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[error("{line}:{column}: {problem}")]
+pub struct ParseError {
+    pub line: usize,
+    pub column: usize,
+    pub problem: Problem,
+}
+
+/// What is wrong, and what would be right. Patches and points count from 0, the vertices and faces of
+/// an `.obj` from 1, as its own indices do.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum Problem {
+    #[error("the file ends where {0} should stand")]
+    Missing(Element),
+    #[error("`{found}` stands where {expected} should: a whole number is needed")]
+    NotACount { expected: Element, found: String },
+    #[error(
+        "{count} patches are announced, but a file of {bytes} bytes cannot hold more than {possible}: \
+         the number of patches comes first"
+    )]
+    TooMany { count: String, bytes: usize, possible: usize },
+    #[error("{degree} is `{found}`; degrees are from 1 to 8")]
+    Degree { degree: Element, found: String },
+    #[error("`{found}` stands where {expected} should: a number is needed")]
+    NotANumber { expected: Element, found: String },
+    #[error("{element} is `{found}`; coordinates must be finite")]
+    NotFinite { element: Element, found: String },
+    #[error("{element} is `{found}`, beyond the range of 32-bit floats (3.4e38)")]
+    Overflow { element: Element, found: String },
+    #[error("{element} is `{found}`; weights must be positive")]
+    NotPositive { element: Element, found: String },
+    #[error("{element} is `{found}`, but the nets wanted are polynomial: weights must be 1 or left out")]
+    NotOne { element: Element, found: String },
+    #[error("{found} numbers on this line where {point} should stand: write `x y z` or `x y z w`")]
+    Line { point: Element, found: usize },
+    #[error("`{found}` follows after the last of {patches} patches: nothing may")]
+    Trailing { patches: usize, found: String },
+    #[error("patch {patch} is of kind {kind}, {name}; kinds 4, 5 and 8 are read")]
+    Kind { patch: usize, kind: String, name: &'static str },
+    #[error("`{found}` stands where the kind of patch {patch} should: 4, 5, 8 or `Group` is needed")]
+    NotAKind { patch: usize, found: String },
+    #[error("`{found}` is no statement of an .obj that is known here")]
+    Statement { found: String },
+    #[error("{found} numbers for {vertex}: write `x y z`, `x y z w` or `x y z r g b`")]
+    Vertex { vertex: Element, found: usize },
+    #[error("`{found}` is no corner of {face}: write `v`, `v/vt`, `v//vn` or `v/vt/vn` with indices from 1")]
+    Corner { face: Element, found: String },
+    #[error("{face} names the vertex {found}, but the file has {vertices}")]
+    NoVertex { face: Element, found: String, vertices: usize },
+    #[error(transparent)]
+    Grid(GridError),
+    /// In the words of the JSON reader.
+    #[error("{0}")]
+    Json(String),
+}
+
+/// Something that a file names or should name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Element {
+    /// Of patches.
+    Count,
+    /// Of a `.bv`.
+    Kind {
+        patch: usize,
+    },
+    /// Number and name of a `.bv`.
+    Group,
+    /// Direction 0 is u (rows), 1 is v (columns).
+    Degree {
+        patch: usize,
+        direction: usize,
+    },
+    Point {
+        patch: usize,
+        point: usize,
+    },
+    /// Axis 0..=2 is x, y, z; 3 is the weight.
+    Coordinate {
+        patch: usize,
+        point: usize,
+        axis: usize,
+    },
+    /// Of an `.obj`, from 1.
+    Vertex {
+        vertex: usize,
+    },
+    /// As in `Coordinate`.
+    VertexCoordinate {
+        vertex: usize,
+        axis: usize,
+    },
+    /// Of an `.obj`, from 1.
+    Face {
+        face: usize,
+    },
+}
+
+impl fmt::Display for Element {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        const AXES: [&str; 4] = ["x", "y", "z", "the weight"];
+        match *self {
+            Element::Count => f.write_str("the number of patches"),
+            Element::Kind { patch } => write!(f, "the kind of patch {patch}"),
+            Element::Group => f.write_str("the number and the name of a group"),
+            Element::Degree { patch, direction } => {
+                write!(f, "the degree along {} of patch {patch}", ["u", "v"][direction])
+            }
+            Element::Point { patch, point } => write!(f, "point {point} of patch {patch}"),
+            Element::Coordinate { patch, point, axis } => {
+                write!(f, "{} of point {point} of patch {patch}", AXES[axis])
+            }
+            Element::Vertex { vertex } => write!(f, "vertex {vertex}"),
+            Element::VertexCoordinate { vertex, axis } => write!(f, "{} of vertex {vertex}", AXES[axis]),
+            Element::Face { face } => write!(f, "face {face}"),
+        }
+    }
+}
+
+/// A problem at a byte of the text.
+pub(super) struct Wrong {
+    pub offset: usize,
+    pub problem: Problem,
+}
+
+impl Wrong {
+    pub fn locate(self, text: &[u8]) -> ParseError {
+        let before = &text[..self.offset.min(text.len())];
+        let start = before.iter().rposition(|&byte| byte == b'\n').map_or(0, |newline| newline + 1);
+        ParseError {
+            line: before.iter().filter(|&&byte| byte == b'\n').count() + 1,
+            column: String::from_utf8_lossy(&before[start..]).chars().count() + 1,
+            problem: self.problem,
+        }
+    }
+}
+
+/// A run of bytes between white space.
+#[derive(Clone, Copy)]
+pub(super) struct Token<'a> {
+    pub text: &'a [u8],
+    pub offset: usize,
+}
+
+impl Token<'_> {
+    /// As messages show it: cut short, since a token may be as long as the file.
+    pub fn shown(&self) -> String {
+        let text = String::from_utf8_lossy(self.text);
+        match text.char_indices().nth(40) {
+            Some((end, _)) => format!("{}…", &text[..end]),
+            None => text.into_owned(),
+        }
+    }
+
+    pub fn parse<T: std::str::FromStr>(&self) -> Option<T> {
+        std::str::from_utf8(self.text).ok()?.parse().ok()
+    }
+
+    pub fn wrong(&self, problem: Problem) -> Wrong {
+        Wrong { offset: self.offset, problem }
+    }
+
+    /// Whether this is a whole number, of whatever size, without a sign.
+    pub fn is_whole(&self) -> bool {
+        !self.text.is_empty() && self.text.iter().all(u8::is_ascii_digit)
+    }
+
+    /// This number, the `element`.
+    pub fn finite(&self, element: Element) -> Result<f32, Wrong> {
+        let Some(value) = self.parse::<f32>() else {
+            return Err(self.wrong(Problem::NotANumber { expected: element, found: self.shown() }));
+        };
+        // Rust reads `inf` and `nan` as numbers; a number with digits that is infinite was too large.
+        let digits = self.text.iter().any(u8::is_ascii_digit);
+        match value.is_finite() {
+            true => Ok(value),
+            false if digits => Err(self.wrong(Problem::Overflow { element, found: self.shown() })),
+            false => Err(self.wrong(Problem::NotFinite { element, found: self.shown() })),
+        }
+    }
+
+    /// This weight: positive, and 1 unless `rational`.
+    pub fn weight(&self, element: Element, rational: bool) -> Result<f32, Wrong> {
+        let weight = self.finite(element)?;
+        if weight <= 0.0 {
+            return Err(self.wrong(Problem::NotPositive { element, found: self.shown() }));
+        }
+        if weight != 1.0 && !rational {
+            return Err(self.wrong(Problem::NotOne { element, found: self.shown() }));
+        }
+        Ok(weight)
+    }
+}
+
+/// The tokens from a place on. Cheap to copy: looking ahead is reading a copy.
+#[derive(Clone)]
+pub(super) struct Tokens<'a> {
+    pub text: &'a [u8],
+    pub offset: usize,
+}
+
+impl<'a> Tokens<'a> {
+    pub fn new(text: &'a [u8]) -> Tokens<'a> {
+        // Some editors open every file with this mark.
+        let offset = if text.starts_with("\u{feff}".as_bytes()) { 3 } else { 0 };
+        Tokens { text, offset }
+    }
+
+    /// The next token, which should be `element`.
+    pub fn expect(&mut self, element: Element) -> Result<Token<'a>, Wrong> {
+        let end = self.text.trim_ascii_end().len();
+        self.next().ok_or(Wrong { offset: end, problem: Problem::Missing(element) })
+    }
+
+    /// How many tokens are left on the line of the next one.
+    pub fn on_line(&self) -> usize {
+        let Some(next) = self.clone().next() else { return 0 };
+        let line = self.text[next.offset..].split(|&byte| byte == b'\n').next().unwrap_or_default();
+        Tokens { text: line, offset: 0 }.count()
+    }
+
+    /// Leaves out what is left of this line.
+    pub fn skip_line(&mut self) {
+        let rest = &self.text[self.offset..];
+        self.offset += rest.iter().position(|&byte| byte == b'\n').unwrap_or(rest.len());
+    }
+}
+
+impl<'a> Iterator for Tokens<'a> {
+    type Item = Token<'a>;
+
+    fn next(&mut self) -> Option<Token<'a>> {
+        let rest = &self.text[self.offset..];
+        let start = rest.iter().position(|byte| !byte.is_ascii_whitespace())?;
+        let rest = &rest[start..];
+        let length = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
+        let offset = self.offset + start;
+        self.offset = offset + length;
+        Some(Token { text: &rest[..length], offset })
+    }
+}
+
+/// One degree of a net; degrees bound its points to 81.
+pub(super) fn degree(tokens: &mut Tokens, patch: usize, direction: usize) -> Result<u8, Wrong> {
+    let element = Element::Degree { patch, direction };
+    let token = tokens.expect(element)?;
+    match token.parse::<u8>() {
+        Some(degree) if (1..=crate::patch::MAX_DEGREE).contains(&degree) => Ok(degree),
+        _ => Err(token.wrong(Problem::Degree { degree: element, found: token.shown() })),
+    }
+}

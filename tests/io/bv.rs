@@ -1,0 +1,231 @@
+//! `.bv`, the format of BezierView.
+
+use super::{SQUARE, bits, word};
+use burgeon::io::Problem::*;
+use burgeon::io::{Element, Problem, bpt, bv};
+use burgeon::patch::{Net, Word, net_points};
+use proptest::prelude::*;
+
+fn nets(text: &str, rational: bool) -> Vec<Net> {
+    bv::parse(text.as_bytes(), rational).unwrap_or_else(|e| panic!("{e}: {text}"))
+}
+
+fn problem(text: &str, rational: bool) -> (usize, usize, Problem) {
+    let error = bv::parse(text.as_bytes(), rational).expect_err(text);
+    (error.line, error.column, error.problem)
+}
+
+fn written(word: &Word) -> String {
+    let mut text = Vec::new();
+    bv::write(&mut text, word).expect("finite");
+    String::from_utf8(text).expect("text")
+}
+
+/// Degree 1 along u and 2 along v; in the plane z = 0, v along x.
+const STRIP: &str = "5\n1 2\n-1 -1 0\n 0 -1 0\n 1 -1 0\n-1  1 0\n 0  1 0\n 1  1 0\n";
+
+/// The same square as [`SQUARE`].
+const BILINEAR: &str = "4\n1\n0 0 0\n0 1 0\n1 0 0\n1 1 0\n";
+
+#[test]
+fn rows_run_along_u() {
+    let nets = nets(STRIP, false);
+    assert_eq!((nets.len(), nets[0].degree), (1, [1, 2]));
+    assert_eq!(nets[0].points[1], [0.0, -1.0, 0.0, 1.0]);
+    let sample = nets[0].view().evaluate(0.25, 1.0);
+    assert_eq!(sample.position, [1.0, -0.5, 0.0]);
+}
+
+#[test]
+fn one_degree_or_two() {
+    let square = bpt::parse(SQUARE.as_bytes(), false).expect("the square");
+    assert_eq!(nets(BILINEAR, false), square);
+    assert_eq!(nets(&BILINEAR.replace("4\n1", "5\n1 1"), false), square);
+    let degrees: Vec<_> =
+        nets(&format!("{STRIP}{BILINEAR}{STRIP}"), false).iter().map(|n| n.degree).collect();
+    assert_eq!(degrees, [[1, 2], [1, 1], [1, 2]]);
+}
+
+#[test]
+fn groups_and_line_breaks_say_nothing() {
+    let plain = nets(&format!("{STRIP}{BILINEAR}"), false);
+    for text in [
+        format!("Group 1 strip\n{STRIP}Group 0 rest #5\n{BILINEAR}"),
+        format!("group -1 \u{fc}ber\r\ngroup 2 twice, 3 and 4\n{STRIP}{BILINEAR}group 7 behind"),
+        format!("\u{feff}{STRIP}{BILINEAR}").replace('\n', " "),
+        format!("{STRIP}\n\n{BILINEAR}").replace([' ', '\n'], "\r\n"),
+    ] {
+        assert_eq!(nets(&text, false), plain, "{text}");
+    }
+    assert_eq!(nets("Group 0 nothing", false), []);
+}
+
+/// A quarter of a cylinder: cos and sin come from weights, so the points must be homogeneous.
+#[test]
+fn weights_are_multiplied_in() {
+    let text = "8\n2 1\n1 0 0 1\n1 0 2 1\n0.70710678 0.70710678 0 0.70710678\n\
+                0.70710678 0.70710678 1.41421356 0.70710678\n0 1 0 1\n0 1 2 1\n";
+    let nets = nets(text, true);
+    use std::f32::consts::{FRAC_1_SQRT_2, SQRT_2};
+    assert_eq!(nets[0].points[3], [FRAC_1_SQRT_2, FRAC_1_SQRT_2, SQRT_2, FRAC_1_SQRT_2]);
+    for i in 0..=8 {
+        let [x, y, z] = nets[0].view().evaluate(f64::from(i) / 8.0, 0.5).position;
+        assert!((x.hypot(y) - 1.0).abs() < 1e-6 && (z - 1.0).abs() < 1e-6, "{x} {y} {z}");
+    }
+    assert_eq!(
+        problem(text, false),
+        (
+            5,
+            25,
+            NotOne {
+                element: Element::Coordinate { patch: 0, point: 2, axis: 3 },
+                found: "0.70710678".into()
+            }
+        )
+    );
+}
+
+#[test]
+fn a_weight_of_one_is_no_weight() {
+    let text = "8\n1 1\n0 0 0 1\n0 1 0 1.0\n1 0 0 1\n1 1 0 1e0\n";
+    assert_eq!(nets(text, false), nets(BILINEAR, false));
+}
+
+#[test]
+fn refusals_each_with_its_place() {
+    let own = String::from;
+    let kind = |kind: &str, name| Kind { patch: 1, kind: kind.into(), name };
+    let coordinate = |point, axis| Element::Coordinate { patch: 0, point, axis };
+    let degree = |patch, direction| Element::Degree { patch, direction };
+    let table = [
+        (own(""), 1, 1, Missing(Element::Kind { patch: 0 })),
+        (own(" \n\n"), 1, 1, Missing(Element::Kind { patch: 0 })),
+        (own("x"), 1, 1, NotAKind { patch: 0, found: own("x") }),
+        (own("-4"), 1, 1, NotAKind { patch: 0, found: own("-4") }),
+        (own("4.0"), 1, 1, NotAKind { patch: 0, found: own("4.0") }),
+        (own("11"), 1, 1, NotAKind { patch: 0, found: own("11") }),
+        ("9".repeat(30), 1, 1, NotAKind { patch: 0, found: "9".repeat(30) }),
+        (format!("{BILINEAR}1\n8 6\n"), 7, 1, kind("1", "a polyhedron")),
+        (format!("{BILINEAR}3\n3\n"), 7, 1, kind("3", "a triangular patch")),
+        (format!("{BILINEAR}6\n"), 7, 1, kind("6", "a trimming curve")),
+        (format!("{BILINEAR}7\n"), 7, 1, kind("7", "a B-spline")),
+        (format!("{BILINEAR}9\n"), 7, 1, kind("9", "a PN triangle")),
+        (format!("{BILINEAR}10\n"), 7, 1, kind("10", "a PN quad")),
+        (format!("{BILINEAR}2 2 0\n"), 7, 1, NotAKind { patch: 1, found: own("2") }),
+        (own("Group"), 1, 6, Missing(Element::Group)),
+        (own("Group 1"), 1, 8, Missing(Element::Group)),
+        (own("Group a b"), 1, 7, NotACount { expected: Element::Group, found: own("a") }),
+        (own("4"), 1, 2, Missing(degree(0, 0))),
+        (own("5\n3"), 2, 2, Missing(degree(0, 1))),
+        (own("4\n0\n"), 2, 1, Degree { degree: degree(0, 0), found: own("0") }),
+        (own("4\n9\n"), 2, 1, Degree { degree: degree(0, 0), found: own("9") }),
+        (own("5\n3 4000000000\n"), 2, 3, Degree { degree: degree(0, 1), found: own("4000000000") }),
+        (BILINEAR.replace("1 1 0\n", ""), 5, 6, Missing(coordinate(3, 0))),
+        (BILINEAR.replace("1 1 0", "1 1"), 6, 4, Missing(coordinate(3, 2))),
+        (
+            BILINEAR.replace("1 1 0", "1 nan 0"),
+            6,
+            3,
+            NotFinite { element: coordinate(3, 1), found: own("nan") },
+        ),
+        (
+            BILINEAR.replace("1 1 0", "1 1 -1e39"),
+            6,
+            5,
+            Overflow { element: coordinate(3, 2), found: own("-1e39") },
+        ),
+        (
+            BILINEAR.replace("1 1 0", "1 1 o"),
+            6,
+            5,
+            NotANumber { expected: coordinate(3, 2), found: own("o") },
+        ),
+        (own("8\n1 1\n0 0 0 0"), 3, 7, NotPositive { element: coordinate(0, 3), found: own("0") }),
+        (own("8\n1 1\n0 0 0 -1"), 3, 7, NotPositive { element: coordinate(0, 3), found: own("-1") }),
+    ];
+    for (text, line, column, expected) in table {
+        assert_eq!(problem(&text, true), (line, column, expected), "{text:?}");
+    }
+}
+
+#[test]
+fn errors_of_files_name_the_file() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/bv/cut.bv");
+    let error = bv::read(path, false).expect_err("a short file").to_string();
+    assert!(
+        error.ends_with("cut.bv:8:6: the file ends where z of point 4 of patch 0 should stand"),
+        "{error}"
+    );
+    let error = bv::read("no/such/file.bv", false).expect_err("no such file").to_string();
+    assert!(error.contains("no/such/file.bv"), "{error}");
+}
+
+#[test]
+fn as_documented() {
+    let nets = bpt::parse(SQUARE.as_bytes(), false).expect("the square");
+    let word = Word::from_nets("s", "P", &nets).expect("a word");
+    assert_eq!(written(&word), "Group 0 P\n4\n1\n0.0 0.0 0.0\n0.0 1.0 0.0\n1.0 0.0 0.0\n1.0 1.0 0.0\n");
+    let mut points = vec![[0.5, 0.0, -0.0, 1.0]; 6];
+    let two =
+        Word::from_nets("s", "a name", &[Net { degree: [1, 2], points: points.clone() }]).expect("a word");
+    assert!(written(&two).starts_with("Group 0 a_name\n5\n1 2\n0.5 0.0 -0.0\n"), "{}", written(&two));
+    points[5] = [1.0, 2.0, 3.0, 0.25];
+    let rational = Word::from_nets("s", "", &[Net { degree: [1, 2], points }]).expect("a word");
+    let text = written(&rational);
+    assert!(
+        text.starts_with("Group 0 _\n8\n1 2\n0.5 0.0 -0.0 1.0\n") && text.ends_with("\n1.0 2.0 3.0 0.25\n")
+    );
+    let empty = Word::from_nets("empty", "P", &[]).expect("a word");
+    assert_eq!(written(&empty), "Group 0 empty\n");
+}
+
+#[test]
+fn writing_refuses_what_no_reader_takes() {
+    let nets = bpt::parse(SQUARE.as_bytes(), false).expect("the square");
+    let mut word = Word::from_nets("s", "P", &[nets[0].clone(), nets[0].clone()]).expect("a word");
+    word.rational = true;
+    for (bad, expected) in [
+        ([f32::NAN, 0.0, 0.0, 1.0], "point 2 of module 1 holds NaN"),
+        ([0.0, 0.0, 0.0, -1.0], "point 2 of module 1 has the weight -1"),
+    ] {
+        word.nets[6] = bad;
+        let error = bv::write(&mut Vec::new(), &word).expect_err("refused").to_string();
+        assert!(error.starts_with(expected), "{error}");
+    }
+}
+
+proptest! {
+    #[test]
+    fn round_trip_bit_for_bit(word in word()) {
+        let text = written(&word);
+        let read = nets(&text, word.rational);
+        prop_assert_eq!(read.len(), word.modules.len());
+        for (index, net) in read.iter().enumerate() {
+            prop_assert_eq!(net.degree, word.degree);
+            prop_assert_eq!(bits(&net.points), bits(word.net(index)));
+        }
+        // But for the lines of groups, lines may break anywhere.
+        let (group, rest) = text.split_once('\n').expect("a group");
+        let flat = format!("{group}\n{}", rest.replace('\n', " "));
+        prop_assert_eq!(bv::parse(flat.as_bytes(), word.rational), Ok(read));
+    }
+
+    #[test]
+    fn no_bytes_panic(bytes in prop::collection::vec(any::<u8>(), 0..400), rational: bool) {
+        let _ = bv::parse(&bytes, rational);
+    }
+
+    #[test]
+    fn no_text_panics_and_places_lie_inside(
+        text in "(([0-9]|10|nan|1e39|Group [0-9] [a-z]|-?[0-9.]{1,3})( |\n|\r\n)){0,60}",
+        rational: bool,
+    ) {
+        match bv::parse(text.as_bytes(), rational) {
+            Ok(nets) => prop_assert!(nets.iter().all(|n| n.points.len() == net_points(n.degree))),
+            Err(error) => {
+                let line = text.split('\n').nth(error.line - 1);
+                prop_assert!(line.is_some_and(|line| error.column <= line.chars().count() + 1), "{}", error);
+            }
+        }
+    }
+}
