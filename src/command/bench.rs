@@ -5,7 +5,9 @@
 //! case must read and write at least.
 
 use super::{Failure, flags, print};
+use burgeon::language::Value;
 use burgeon::language::check::compile;
+use burgeon::language::expr::Expr;
 use burgeon::language::vocabulary::Vocabulary;
 use burgeon::patch::{self, Axiom, Net, Root};
 use burgeon::plan::derive::{self, Backend, StageId};
@@ -104,8 +106,10 @@ struct Plans {
     /// The same with a parameter and a condition: all passes run.
     conditional: Plan,
     levels: Plan,
-    /// `plain` for other nets, each with what they are.
+    /// `plain` for other nets and with a query, each with what they are.
     others: Vec<(String, Plan)>,
+    /// Only modules with a positive parameter stay on the frontier.
+    frontier: Plan,
 }
 
 const PLAIN: &str = "system plain : patch bezier 3\nmodule P\naxiom: P = file \"roots.bpt\"\nrules:\n  \
@@ -113,19 +117,28 @@ const PLAIN: &str = "system plain : patch bezier 3\nmodule P\naxiom: P = file \"
 const CONDITIONAL: &str = "system conditional : patch bezier 3\nmodule P(l: int)\naxiom: P(0) = file \"roots.bpt\"\n\
      rules:\n  P(l) : l < 9 -> [ P(l+1) P(l+1) ; P(l+1) P(l+1) ]\nrun:\n  derive 1\n";
 
+/// Flatness decides: the nets are read once more.
+const QUERY: &str = "system query : patch bezier 3\nmodule P(l: int)\nquery F(f: float) = flatness\naxiom: P(0) = file \"roots.bpt\"\n\
+     rules:\n  ?F(f) P(l) : f > 0.0001 && l < 9 -> [ P(l+1) P(l+1) ; P(l+1) P(l+1) ]\nrun:\n  derive 1\n";
+/// A module relabels itself until its parameter is 0, and its net is copied at each step.
+const FRONTIER: &str = "system frontier : patch bezier 3\nmodule P(l: int)\naxiom: P(0) = file \"roots.bpt\"\n\
+     rules:\n  P(l) : l > 0 -> P(l-1)\nrun:\n  derive 20\n";
+
 /// Nets of other degrees, and those with weights: these move the same bytes.
 const OTHERS: [&str; 6] = ["bezier 3 rational", "bezier 1", "bezier 2", "bezier 4", "bezier 8", "bezier 3 1"];
 
 impl Plans {
     fn new() -> Result<Plans, Failure> {
         let levels = PLAIN.replace("derive 1", "derive 16");
-        let others = OTHERS
-            .map(|nets| Ok((format!("closed form, `{nets}`"), plan(&PLAIN.replace("bezier 3", nets))?)));
+        let nets = OTHERS.map(|nets| (format!("closed form, `{nets}`"), PLAIN.replace("bezier 3", nets)));
+        let query = ("flatness query: all passes".to_string(), QUERY.to_string());
+        let others = nets.into_iter().chain([query]).map(|(what, text)| Ok((what, plan(&text)?)));
         Ok(Plans {
             plain: plan(PLAIN)?,
             conditional: plan(CONDITIONAL)?,
             levels: plan(&levels)?,
-            others: others.into_iter().collect::<Result<_, Failure>>()?,
+            others: others.collect::<Result<_, Failure>>()?,
+            frontier: plan(FRONTIER)?,
         })
     }
 }
@@ -210,7 +223,58 @@ fn rayon_threads() -> usize {
 
 /// Bytes that a 2×2 step over `nets` modules must move.
 fn step_bytes(plan: &Plan, nets: u64) -> u64 {
-    5 * nets * plan.tables.layout.module_bytes()
+    let layout = plan.tables.layout;
+    // What is measured is read from the nets, written, and read by match and emit.
+    let row = plan.tables.rule_sets[0].stages[0].row.words as u64 * 4;
+    let measured = if row > 0 { layout.net_bytes() + 3 * row } else { 0 };
+    nets * (5 * layout.module_bytes() + measured)
+}
+
+/// Nets of the frontier's cases in all, and of the frontier.
+const FRONTIER_NETS: usize = 1 << 16;
+const FRONTIERS: [usize; 3] = [10_000, 20_000, 40_000];
+const FRONTIER_STEPS: u32 = 20;
+
+/// A derivation in which so many nets stay on the frontier to the end, and the others retire at once.
+fn frontier_case<'a, B: Backend + 'a>(
+    plan: &'a Plan,
+    mut backend: B,
+    frontier: usize,
+    label: (&'static str, usize),
+    fail: impl Fn(B::Error) -> Failure + Copy + 'a,
+) -> Result<Case<'a>, Failure> {
+    let mut roots = axiom(plan, &made(FRONTIER_NETS, [3, 3], false));
+    for root in &mut roots.roots[..frontier] {
+        let span = root.args[0].span;
+        root.args[0] = Expr::literal(Value::Int(FRONTIER_STEPS as i32), span);
+    }
+    let uniforms = plan.uniforms(&[]).map_err(super::run::of_plan)?;
+    // The first step is the one that sees all nets; the others are timed.
+    let first = Options { steps: Some(1), max_bytes: u64::MAX, ..Options::default() };
+    let whole = Options { steps: None, ..first.clone() };
+    let run = move || {
+        let mut time = |options: &Options| {
+            let start = Instant::now();
+            let derived = derive::derive(plan, &roots, &uniforms, options, &mut backend).map_err(fail)?;
+            backend.finish().map_err(fail)?;
+            let time = start.elapsed();
+            derived.chunks.into_iter().for_each(|c| backend.recycle(c));
+            Ok::<_, Failure>(time)
+        };
+        let one = time(&first)?;
+        Ok(time(&whole)?.saturating_sub(one))
+    };
+    let moved = u64::from(FRONTIER_STEPS - 1) * frontier as u64;
+    Ok(Case {
+        name: "patch/derive",
+        case: format!("frontier of {frontier} of {FRONTIER_NETS}, {} steps", FRONTIER_STEPS - 1),
+        backend: label.0,
+        threads: label.1,
+        bytes: 2 * moved * plan.tables.layout.module_bytes(),
+        items: moved,
+        run: Box::new(run),
+        times: vec![],
+    })
 }
 
 /// A step over the same chunk again and again, its result recycled.
@@ -369,6 +433,11 @@ fn derive_cases<'a>(
     cases.push(derive_case(plan, backend()?, roots, levels, 1, ("cpu", threads), fail)?);
     cases.push(derive_case(plan, backend()?, roots, levels, 2, ("cpu", threads), fail)?);
     cases.push(last_step_case(plan, backend()?, roots, levels, ("cpu", threads), fail)?);
+    let plan = &plans.frontier;
+    for frontier in FRONTIERS {
+        let backend = cpu::Cpu::new(plan, &[], threads).map_err(fail)?;
+        cases.push(frontier_case(plan, backend, frontier, ("cpu", threads), fail)?);
+    }
     Ok(())
 }
 
@@ -544,6 +613,10 @@ mod gpu {
                     cases.push(derive_case(plan, backend, roots, levels, parts, ("gpu", 0), of_gpu)?);
                 }
                 cases.push(last_step_case(plan, backend(&engine, plan)?, roots, levels, ("gpu", 0), of_gpu)?);
+                for frontier in FRONTIERS {
+                    let plan = &plans.frontier;
+                    cases.push(frontier_case(plan, backend(&engine, plan)?, frontier, ("gpu", 0), of_gpu)?);
+                }
             }
             scans(&engine, wanted, cases)
         }
