@@ -3,7 +3,8 @@
 //!     cargo run --release --example gallery [-- FOLDER]
 
 use burgeon::gpu::{self, Engine, Headless, Requirement};
-use burgeon::io::{bpt, png, write_atomically};
+use burgeon::io::{NetOptions, png, read_nets, values, write_atomically};
+use burgeon::language::expr::Type;
 use burgeon::language::{System, Value, Vocabulary, compile, diagnostic};
 use burgeon::patch::{Axiom, Module, Word};
 use burgeon::plan::{Options, Plan};
@@ -16,6 +17,8 @@ const COPPER: [u8; 3] = [217, 155, 108];
 const TEAL: [u8; 3] = [72, 150, 150];
 const PLUM: [u8; 3] = [150, 92, 122];
 const SAND: [u8; 3] = [222, 196, 140];
+const MEADOW: [u8; 3] = [126, 158, 92];
+const ROCK: [u8; 3] = [168, 160, 156];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::args().nth(1).unwrap_or("out/gallery".into());
@@ -59,6 +62,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         let lines = grid::borders(&word, cells(&word))?;
         studio.draw(name, &word, copper, Picture { lines, line_width: 0.8, ..hill.clone() })?;
     }
+
+    // A height field whose patches follow the values of a grid.
+    let grid_file = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/data/moisture.json");
+    let bind = vec![("Moisture".to_string(), values::read(grid_file, &Type::Float)?)];
+    let word = studio.derive_with("relief", None, Options { bind, ..Options::default() })?;
+    let lines = grid::borders(&word, cells(&word))?;
+    let ground = |module: &Module| [COPPER, MEADOW, SAND, ROCK][module.symbol];
+    studio.draw("relief", &word, ground, Picture { lines, line_width: 0.35, ..hill.clone() })?;
 
     // The teapot with the borders of its leaves, and as lace.
     let word = studio.derive("teapot", &[])?;
@@ -122,7 +133,8 @@ impl Studio {
         let wanted = |s: &&System| system.is_none_or(|name| s.name == name);
         let system = checked.systems.iter().rfind(wanted).ok_or("no system of that name")?;
         let plan = Plan::new(system)?;
-        let axiom = Axiom::load(&plan.system, &mut |file| bpt::read(examples.join(file), plan.rational()))?;
+        let nets = NetOptions { rational: plan.rational(), bspline: true };
+        let axiom = Axiom::load(&plan.system, &mut |file| read_nets(examples.join(file), nets))?;
         let (word, _) = gpu::derive(&self.engine, &plan, &axiom, &options)?;
         println!("{name}: {} steps, {} patches", word.steps, word.modules.len());
         Ok(word)

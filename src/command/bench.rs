@@ -118,7 +118,7 @@ const CONDITIONAL: &str = "system conditional : patch bezier 3\nmodule P(l: int)
      rules:\n  P(l) : l < 9 -> [ P(l+1) P(l+1) ; P(l+1) P(l+1) ]\nrun:\n  derive 1\n";
 
 /// Flatness decides: the nets are read once more.
-const QUERY: &str = "system query : patch bezier 3\nmodule P(l: int)\nquery F(f: float) = flatness\naxiom: P(0) = file \"roots.bpt\"\n\
+const QUERY: &str = "system flat : patch bezier 3\nmodule P(l: int)\nquery F(f: float) = flatness\naxiom: P(0) = file \"roots.bpt\"\n\
      rules:\n  ?F(f) P(l) : f > 0.0001 && l < 9 -> [ P(l+1) P(l+1) ; P(l+1) P(l+1) ]\nrun:\n  derive 1\n";
 /// A module relabels itself until its parameter is 0, and its net is copied at each step.
 const FRONTIER: &str = "system frontier : patch bezier 3\nmodule P(l: int)\naxiom: P(0) = file \"roots.bpt\"\n\
