@@ -11,6 +11,7 @@ mod degrees;
 mod device;
 #[cfg(feature = "gpu")]
 mod expressions;
+mod fuzz;
 mod grid;
 mod io;
 #[cfg(feature = "gpu")]

@@ -39,6 +39,9 @@ pub enum Nets {
 }
 
 const SHEET: Nets = Nets::File(include_str!("../../examples/data/sheet.bpt"));
+const CYLINDER: Nets = Nets::File(include_str!("../../examples/data/cylinder.bpt"));
+const SPHERE: Nets = Nets::File(include_str!("../../examples/data/sphere.bpt"));
+const TORUS: Nets = Nets::File(include_str!("../../examples/data/torus.bpt"));
 const HILL: Nets = Nets::File(include_str!("../../examples/data/hill.bpt"));
 const TEAPOT: Nets = Nets::File(include_str!("../../examples/data/teapot.bpt"));
 
@@ -58,12 +61,15 @@ macro_rules! example {
 /// The examples of this crate, a few steps of each.
 pub const EXAMPLES: &[Subject] = &[
     example!("adaptive", HILL, 4),
+    example!("cylinder", CYLINDER, 3),
     example!("fractal", SHEET, 5),
     example!("holes", SHEET, 4),
     example!("sierpinski", SHEET, 5),
     example!("sierpinski2", SHEET, 5),
+    example!("sphere", SPHERE, 2),
     example!("teapot", TEAPOT, 2),
     example!("teapot_lace", TEAPOT, 3),
+    example!("torus", TORUS, 3),
 ];
 
 macro_rules! written {
@@ -126,13 +132,13 @@ pub const GENERATED: &[Subject] = generated!(
     "12" "13" "14" "15" "16" "17" "18" "19" "20" "21" "22" "23"
 );
 
-/// Both mappings of emit, and other sizes of workgroups; the mapping that drivers compile faster has
+/// All mappings of emit, and other sizes of workgroups; the mapping that drivers compile faster has
 /// more of them.
 pub const TUNINGS: [Tuning; 4] = [
     Tuning::CPU_DRIVER,
     Tuning::GPU,
     Tuning { workgroup: 32, scan_workgroup: 32, scan_items: 32, mapping: Mapping::PointPerInvocation },
-    Tuning { workgroup: 128, scan_workgroup: 128, scan_items: 64, mapping: Mapping::PointPerInvocation },
+    Tuning { workgroup: 128, scan_workgroup: 128, scan_items: 64, mapping: Mapping::LinePerInvocation },
 ];
 
 /// Modules a chunk before every step.
@@ -155,7 +161,7 @@ impl Job {
         let system = System::parse(text)?;
         let plan = Plan::new(&system)?;
         let mut read = |_: &str| match nets {
-            Nets::File(text) => bpt::parse(text.as_bytes(), false).map_err(|e| e.to_string()),
+            Nets::File(text) => bpt::parse(text.as_bytes(), plan.rational()).map_err(|e| e.to_string()),
             Nets::Lattice(count) => Ok(lattice(count)),
         };
         let axiom = Axiom::load(&system, &mut read)?;
