@@ -39,6 +39,26 @@ fn what_is_written_is_read() {
     }
 }
 
+/// Weights and other degrees, too: a quarter of a cylinder, whose points in a `.bv` are homogeneous.
+#[test]
+fn rational_nets_of_other_degrees() {
+    let folder = Folder::new();
+    let quarter = "8\n2 1\n1 0 0 1\n1 0 2 1\n0.7 0.7 0 0.7\n0.7 0.7 1.4 0.7\n0 1 0 1\n0 1 2 1\n";
+    folder.write("quarter.bv", quarter);
+    let rational = QUARTERS.replace("bezier 3", "bezier 2 1 rational");
+    folder.write("quarters.burgeon", rational.replace("net.bpt", "quarter.bv"));
+    run(&folder, &["--out", "a.bv", "--out", "a.bpt", "--out", "a.json"]).succeeds();
+    let nets = bv::parse(&folder.read("a.bv"), true).expect("nets");
+    assert_eq!((nets.len(), nets[0].degree, nets[0].points[0]), (16, [2, 1], [1.0, 0.0, 0.0, 1.0]));
+    for input in ["a.bv", "a.bpt", "a.json"] {
+        run(&folder, &["--in", input, "--steps", "0", "--out", "b.bv"]).succeeds();
+        assert_eq!(folder.text("b.bv"), folder.text("a.bv"), "{input}");
+    }
+    folder.write("quarters.burgeon", QUARTERS.replace("bezier 3", "bezier 2 1"));
+    run_in_vain(&folder, &["--in", "quarter.bv"]).fails(1, &["quarter.bv:5:11", "weights must be 1"]);
+    run_in_vain(&folder, &["--in", "a.json"]).fails(1, &["a.json: point ", "the nets wanted are polynomial"]);
+}
+
 /// The rule file may name any of them, and `--in` takes the place of any.
 #[test]
 fn the_axiom_names_any_format() {
