@@ -272,16 +272,21 @@ fn named(row: &Row) -> bool {
     !row.name.ends_with('#') && !row.name.ends_with(" *")
 }
 
-/// How far apart two values are as a part of what is allowed.
+/// How far apart two values are as a part of what is allowed; infinitely where nothing is known of them,
+/// since the arguments are such that something is.
 fn distance(known: &[Known], cpu: &Value, gpu: &Value) -> f32 {
     let apart = known.iter().zip(cpu.words()).zip(gpu.words()).map(|((known, a), b)| match *known {
         _ if a == b => 0.0,
-        Known::Near { radius, .. } => {
+        Known::Near { radius, .. } if radius.is_finite() => {
             let apart = (f32::from_bits(a) - f32::from_bits(b)).abs();
-            // Equal but for the sign of zero.
-            if apart == 0.0 { 0.0 } else { apart / radius }
+            match apart {
+                // Equal but for the sign of zero.
+                0.0 => 0.0,
+                _ if apart.is_nan() => f32::INFINITY,
+                _ => apart / radius,
+            }
         }
-        Known::Exact(_) | Known::Any => f32::INFINITY,
+        _ => f32::INFINITY,
     });
     apart.fold(0.0, f32::max)
 }

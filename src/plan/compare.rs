@@ -13,6 +13,7 @@ use super::given::Given;
 use super::layout::Header;
 use super::step::Clock;
 use super::tables::Stage;
+use std::sync::Arc;
 
 /// What the passes of one sweep wrote, for comparison: the columns of [`super::step::Column`].
 /// Columns of passes that were skipped stay empty.
@@ -100,7 +101,9 @@ pub struct Pair<'a, L: Replay, R: Traced> {
     pub rounding: f32,
     /// Modules for which a condition near its threshold fell differently.
     pub replayed: u64,
-    given: Given,
+    /// Words that differ and of whose expression nothing is known: an overflow, a quotient by what may be 0.
+    pub unbounded: u64,
+    given: Arc<Given>,
 }
 
 type ChunksOf<L, R> = (<L as Backend>::Chunk, <R as Backend>::Chunk);
@@ -120,7 +123,8 @@ impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
             elements: 0,
             rounding: 0.0,
             replayed: 0,
-            given: Given::default(),
+            unbounded: 0,
+            given: Arc::default(),
         }
     }
 
@@ -177,9 +181,10 @@ impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
 
     /// Whether a word of this machine may be another one there.
     fn allows(&mut self, known: Known, own: u32, other: u32) -> bool {
-        if let Known::Near { radius, .. } = known
+        if let Known::Near { radius: f32::INFINITY, .. } | Known::Any = known {
+            self.unbounded += 1;
+        } else if let Known::Near { radius, .. } = known
             && radius > 0.0
-            && radius.is_finite()
         {
             let apart = (f32::from_bits(own) - f32::from_bits(other)).abs();
             if apart <= radius {
@@ -203,7 +208,7 @@ impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
         let (stage, layout) = (id.of(plan), plan.tables.layout);
         let (records, nets) = self.left.read(chunk).map_err(PairError::Left)?;
         let environment = self.left.environment(id);
-        let given = std::mem::take(&mut self.given);
+        let given = self.given.clone();
         let view = &environment[plan.tables.given.view()..];
         let row = stage.row.words;
         for (i, record) in records.chunks_exact(layout.record_words).enumerate() {
@@ -233,7 +238,6 @@ impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
                 self.replayed += 1;
             }
         }
-        self.given = given;
         Ok(true)
     }
 
@@ -250,7 +254,7 @@ impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
         let (stage, words) = (id.of(plan), plan.tables.layout.record_words);
         let trace = self.left.trace().clone();
         let environment = self.left.environment(id);
-        let given = std::mem::take(&mut self.given);
+        let given = self.given.clone();
         for (n, (own, other)) in left.chunks_exact(words).zip(right.chunks_exact_mut(words)).enumerate() {
             if own == other {
                 continue;
@@ -273,7 +277,6 @@ impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
                 }
             }
         }
-        self.given = given;
         right
     }
 
@@ -292,7 +295,7 @@ impl<L: Replay, R: Traced> Backend for Pair<'_, L, R> {
     type Error = ErrorOf<L, R>;
 
     fn bind(&mut self, given: &Given) -> Result<(), Self::Error> {
-        self.given = given.clone();
+        self.given = Arc::new(given.clone());
         self.left.bind(given).map_err(PairError::Left)?;
         self.right.bind(given).map_err(PairError::Right)
     }
