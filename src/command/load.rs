@@ -190,7 +190,8 @@ fn bind(system: &System, given: &[(String, PathBuf)]) -> Result<Vec<(String, pat
     for (name, path) in given {
         let query = system.queries.iter().find(|q| q.name == *name);
         let ty = query.map_or(Type::Float, |q| q.ty.clone());
-        let values = values::read(path, &ty).map_err(|e| Failure::File(format!("error: {e}")))?;
+        let fail = |e| Failure::File(format!("error: {}", shown(path, &e)));
+        let values = values::read(path, &ty).map_err(fail)?;
         bound.push((name.clone(), values));
     }
     Ok(bound)
@@ -340,19 +341,23 @@ fn files(system: &System) -> Vec<(&str, Span)> {
         .collect()
 }
 
-/// The nets of a file, of the degree that the system rewrites; a parse error shows the line, cut
-/// around the place.
-fn nets(path: &Path, system: &System, bspline: bool) -> Result<Vec<patch::Net>, String> {
-    let rational = matches!(system.kind, Kind::Patch { rational: true, .. });
-    let nets = read_nets(path, NetOptions { rational, bspline }).map_err(|e| match &e {
+/// Why a file could not be read; a parse error shows the line, cut around the place.
+fn shown(path: &Path, e: &ReadError) -> String {
+    match e {
         ReadError::Io { source, .. } => cannot_read(path, source),
-        ReadError::Word { .. } | ReadError::Format { .. } => e.to_string(),
+        ReadError::Word { .. } | ReadError::Values { .. } | ReadError::Format { .. } => e.to_string(),
         ReadError::Text { error, .. } => {
             let bytes = std::fs::read(path).unwrap_or_default();
             let line = bytes.split(|b| *b == b'\n').nth(error.line.saturating_sub(1)).unwrap_or(&[]);
             format!("{e}\n{}", excerpt(&String::from_utf8_lossy(line), error.line, error.column))
         }
-    })?;
+    }
+}
+
+/// The nets of a file, of the degree that the system rewrites.
+fn nets(path: &Path, system: &System, bspline: bool) -> Result<Vec<patch::Net>, String> {
+    let rational = matches!(system.kind, Kind::Patch { rational: true, .. });
+    let nets = read_nets(path, NetOptions { rational, bspline }).map_err(|e| shown(path, &e))?;
     let Kind::Patch { degree, .. } = system.kind else { return Ok(nets) };
     match nets.iter().position(|net| net.degree != degree) {
         None => Ok(nets),

@@ -201,7 +201,7 @@ pub fn read_nets(path: impl AsRef<Path>, rational: bool) -> Result<Vec<Net>, Rea
 }
 
 /// An error of the JSON reader, which counts columns in bytes and says the place behind its words.
-fn place(text: &[u8], error: &serde_json::Error) -> ParseError {
+pub(super) fn place(text: &[u8], error: &serde_json::Error) -> ParseError {
     let (line, column) = (error.line().max(1), error.column().max(1));
     let said = error.to_string();
     let problem = said.rsplit_once(" at line ").map_or(said.as_str(), |(problem, _)| problem);

@@ -1,12 +1,13 @@
 //! Text that is read word by word: the scanner, and what can be wrong at a place.
 
 use super::obj::GridError;
+use crate::language::Type;
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Why a file of patches could not be read.
+/// Why a file could not be read.
 #[derive(Debug, Error)]
 pub enum ReadError {
     #[error("cannot read {}: {source}", path.display())]
@@ -16,7 +17,10 @@ pub enum ReadError {
     /// The text is well formed, but not what it should be.
     #[error("{}: {error}", path.display())]
     Word { path: PathBuf, error: Box<super::json::WordReadError> },
-    /// Nobody reads patches from a file of this name.
+    /// A value of a grid is not of the query's type.
+    #[error("{}: {message}", path.display())]
+    Values { path: PathBuf, message: String },
+    /// Nobody reads such things from a file of this name.
     #[error("cannot read {}: {help}", path.display())]
     Format { path: PathBuf, help: &'static str },
 }
@@ -89,6 +93,10 @@ pub enum Problem {
     NoVertex { face: Element, found: String, vertices: usize },
     #[error(transparent)]
     Grid(GridError),
+    #[error("`{found}` stands where a number, true or false should")]
+    NotAValue { found: String },
+    #[error("this line is no {ty}: {wanted}")]
+    OtherType { ty: Type, wanted: &'static str },
     /// In the words of the JSON reader.
     #[error("{0}")]
     Json(String),

@@ -5,24 +5,13 @@
 //! `to` (where the first and the last of them lie), `values` (x fastest, then y, then z; a vector is
 //! an array).
 
+use super::json;
+use super::text::{ParseError, Problem, ReadError};
 use crate::language::Value;
 use crate::language::expr::Type;
 use crate::patch::{Grid, Values};
 use serde::Deserialize;
-use std::path::{Path, PathBuf};
-
-/// Why no values came of a file.
-#[derive(Debug, thiserror::Error)]
-pub enum ReadError {
-    #[error("cannot read {path}: {source}")]
-    Io { path: PathBuf, source: std::io::Error },
-    #[error("{path}:{line}:{column}: {message}")]
-    Text { path: PathBuf, line: usize, column: usize, message: String },
-    #[error("{path}: {message}")]
-    Value { path: PathBuf, message: String },
-    #[error("cannot read {path}: values are read from .csv (one for each patch) and .json (a grid)")]
-    Extension { path: PathBuf },
-}
+use std::path::Path;
 
 /// Reads values of this type.
 ///
@@ -31,56 +20,57 @@ pub enum ReadError {
 pub fn read(path: impl AsRef<Path>, ty: &Type) -> Result<Values, ReadError> {
     let path = path.as_ref();
     let extension = path.extension().map(|e| e.to_ascii_lowercase());
-    let parse: fn(&str, &Type) -> Result<Values, Wrong> = match extension.as_ref().and_then(|e| e.to_str()) {
+    let refuse = "values are read from .csv (one for each patch) and .json (a grid)";
+    let parse: fn(&[u8], &Type) -> Result<Values, Wrong> = match extension.as_ref().and_then(|e| e.to_str()) {
         Some("csv") => |text, ty| Ok(Values::Roots(parse_csv(text, ty)?)),
         Some("json") => |text, ty| Ok(Values::Grid(parse_json(text, ty)?)),
-        _ => return Err(ReadError::Extension { path: path.into() }),
+        _ => return Err(ReadError::Format { path: path.into(), help: refuse }),
     };
-    let text = std::fs::read_to_string(path).map_err(|source| ReadError::Io { path: path.into(), source })?;
-    parse(text.trim_start_matches('\u{feff}'), ty).map_err(|wrong| {
-        let path = path.into();
-        match wrong.place {
-            Some((line, column)) => ReadError::Text { path, line, column, message: wrong.message },
-            None => ReadError::Value { path, message: wrong.message },
-        }
+    let text = ReadError::bytes(path)?;
+    parse(text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&text), ty).map_err(|wrong| match wrong {
+        Wrong::Text(error) => ReadError::Text { path: path.into(), error },
+        Wrong::Value(message) => ReadError::Values { path: path.into(), message },
     })
 }
 
-/// What is wrong with a text, and where: line and column from 1.
+/// What is wrong with values.
 #[derive(Debug)]
-pub struct Wrong {
-    pub place: Option<(usize, usize)>,
-    pub message: String,
+pub enum Wrong {
+    Text(ParseError),
+    /// A value of a grid, named in the message.
+    Value(String),
 }
 
 /// One value a line; lines that are empty at the end do not count.
 ///
 /// # Errors
 /// The first line that holds no value of the type.
-pub fn parse_csv(text: &str, ty: &Type) -> Result<Vec<Value>, Wrong> {
+pub fn parse_csv(text: &[u8], ty: &Type) -> Result<Vec<Value>, Wrong> {
+    let text = String::from_utf8_lossy(text);
     let one = |(n, line): (usize, &str)| {
+        let wrong = |column, problem| Wrong::Text(ParseError { line: n + 1, column, problem });
         let mut column = 1;
         let mut parts = Vec::new();
         for cell in line.split(',') {
-            let place = Some((n + 1, column + cell.len() - cell.trim_start().len()));
-            parts.push(entry(cell.trim()).map_err(|message| Wrong { place, message })?);
+            let start = column + cell.chars().take_while(|c| c.is_whitespace()).count();
+            let found = cell.trim();
+            let part =
+                entry(found).ok_or_else(|| wrong(start, Problem::NotAValue { found: found.into() }))?;
+            parts.push(part);
             column += cell.chars().count() + 1;
         }
         let entry = if parts.len() == 1 { parts.swap_remove(0) } else { Entry::list(parts) };
-        let message = || format!("this line is no {ty}: {}", wanted(ty));
-        entry.value(ty).ok_or_else(|| Wrong { place: Some((n + 1, 1)), message: message() })
+        let other = || wrong(1, Problem::OtherType { ty: ty.clone(), wanted: wanted(ty) });
+        entry.value(ty).ok_or_else(other)
     };
     text.trim_end().lines().enumerate().map(one).collect()
 }
 
-fn entry(cell: &str) -> Result<Entry, String> {
+fn entry(cell: &str) -> Option<Entry> {
     match cell {
-        "true" => Ok(Entry::Bool(true)),
-        "false" => Ok(Entry::Bool(false)),
-        _ => match cell.parse::<f64>() {
-            Ok(x) if x.is_finite() => Ok(Entry::Number(x)),
-            _ => Err(format!("`{cell}` stands where a number, true or false should")),
-        },
+        "true" => Some(Entry::Bool(true)),
+        "false" => Some(Entry::Bool(false)),
+        _ => cell.parse::<f64>().ok().filter(|x| x.is_finite()).map(Entry::Number),
     }
 }
 
@@ -144,16 +134,16 @@ struct File {
 ///
 /// # Errors
 /// Text that is no such object; a value that is not of the type.
-pub fn parse_json(text: &str, ty: &Type) -> Result<Grid, Wrong> {
-    let file: File = serde_json::from_str(text).map_err(|e| {
-        let message = e.to_string();
-        let message = message.split(" at line ").next().unwrap_or(&message);
+pub fn parse_json(text: &[u8], ty: &Type) -> Result<Grid, Wrong> {
+    let file: File = serde_json::from_slice(text).map_err(|e| {
+        let mut error = json::place(text, &e);
         let help = "a grid is {\"size\": [x, y, z], \"from\": [x, y, z], \"to\": [x, y, z], \"values\": […]}";
-        Wrong { place: Some((e.line(), e.column())), message: format!("{message}; {help}") }
+        error.problem = Problem::Json(format!("{}; {help}", error.problem));
+        Wrong::Text(error)
     })?;
     let value = |(n, entry): (usize, &Entry)| {
-        let message = || format!("value {n} is no {ty}: {}", wanted(ty));
-        entry.value(ty).ok_or_else(|| Wrong { place: None, message: message() })
+        let wrong = || Wrong::Value(format!("value {n} is no {ty}: {}", wanted(ty)));
+        entry.value(ty).ok_or_else(wrong)
     };
     let values = file.values.iter().enumerate().map(value).collect::<Result<_, _>>()?;
     Ok(Grid { size: file.size, from: file.from, to: file.to, values })
