@@ -7,18 +7,18 @@
 
 use crate::oracle::Random;
 use arbitrary::{Result, Unstructured};
-use burgeon::io;
 use burgeon::language::expr::Type;
 use burgeon::language::print::print;
 use burgeon::language::vocabulary::Vocabulary;
-use burgeon::language::{Span, compile, diagnostic, parse};
-use burgeon::patch::Net;
-use burgeon::plan::Plan;
+use burgeon::language::{Span, System, compile, diagnostic, parse};
+use burgeon::patch::{self, Axiom, Net, Word};
+use burgeon::plan::{Options, Plan};
+use burgeon::{cpu, io};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
 /// Inputs of each test.
-const INPUTS: u64 = 10_000;
+const INPUTS: u64 = 6_000;
 /// No input may take longer, on a busy machine and without optimisation.
 const LIMIT: Duration = Duration::from_secs(5);
 
@@ -103,7 +103,8 @@ fn words(text: &str) -> Vec<String> {
 /// One of the texts with some words changed.
 fn nearly_right(u: &mut Unstructured, corpus: &[String]) -> Result<String> {
     let mut list = words(u.choose(corpus)?);
-    for _ in 0..u.int_in_range(0..=6)? {
+    // Mostly few: what is far from right is refused at once.
+    for _ in 0..*u.choose(&[1, 1, 1, 2, 2, 3, 6])? {
         if list.is_empty() {
             break;
         }
@@ -128,18 +129,49 @@ fn nearly_right(u: &mut Unstructured, corpus: &[String]) -> Result<String> {
     Ok(list.concat())
 }
 
-/// Runs `check` on so many texts; a failure names the number and shows the text.
-fn fuzz(corpus: &[String], salt: u64, check: impl Fn(&str)) {
+/// From bytes and some texts to another.
+type Make = fn(&mut Unstructured, &[String]) -> Result<String>;
+
+/// Runs `check` on so many texts; a failure names the number and shows the text. Returns the sum of
+/// what `check` counts: how often it came to the end.
+fn fuzz(corpus: &[String], salt: u64, make: Make, check: impl Fn(&str) -> u64) -> u64 {
+    let mut sum = 0;
     for n in 0..INPUTS {
         let mut random = Random::new(n ^ salt);
         let bytes: Vec<u8> = (0..128).flat_map(|_| random.next().to_le_bytes()).collect();
-        let text = nearly_right(&mut Unstructured::new(&bytes), corpus).expect("bytes enough");
+        let text = make(&mut Unstructured::new(&bytes), corpus).expect("bytes enough");
         let start = Instant::now();
-        if catch_unwind(AssertUnwindSafe(|| check(&text))).is_err() {
-            panic!("input {n} of {salt:#x}:\n{text}");
+        match catch_unwind(AssertUnwindSafe(|| check(&text))) {
+            Ok(count) => sum += count,
+            Err(_) => panic!("input {n} of {salt:#x}:\n{text}"),
         }
         assert!(start.elapsed() < LIMIT, "input {n} of {salt:#x} took {:?}:\n{text}", start.elapsed());
     }
+    sum
+}
+
+/// One of the texts with some of its words changed for others of their kind: most still check.
+fn otherwise_right(u: &mut Unstructured, corpus: &[String]) -> Result<String> {
+    const NUMBERS: [&str; 9] = ["0", "1", "2", "3", "7", "0.5", "1/3", "2147483647", "1e9"];
+    const SIGNS: [&str; 10] = ["+", "-", "*", "/", "%", "<", ">", "|", ";", "!"];
+    let mut list = words(u.choose(corpus)?);
+    let is_name = |w: &&String| w.starts_with(|c: char| c.is_alphabetic());
+    let names: Vec<String> = list.iter().filter(is_name).cloned().collect();
+    for _ in 0..u.int_in_range(1..=3)? {
+        let at = u.choose_index(list.len())?;
+        // The next word that has others of its kind.
+        for word in list.iter_mut().skip(at) {
+            let other = match word.chars().next() {
+                Some(c) if c.is_ascii_digit() => *u.choose(&NUMBERS)?,
+                Some(c) if c.is_alphabetic() => u.choose(&names)?,
+                Some(_) if SIGNS.contains(&word.as_str()) => *u.choose(&SIGNS)?,
+                _ => continue,
+            };
+            *word = other.to_string();
+            break;
+        }
+    }
+    Ok(list.concat())
 }
 
 fn assert_inside(span: Span, text: &str) {
@@ -147,7 +179,8 @@ fn assert_inside(span: Span, text: &str) {
     assert!(start <= end && text.is_char_boundary(start) && text.is_char_boundary(end), "{span:?}");
 }
 
-fn check_rules(text: &str) {
+/// Returns how many of its systems were derived.
+fn check_rules(text: &str) -> u64 {
     let parsed = parse::parse(text);
     let checked = compile(text, &Vocabulary::default());
     for d in parsed.diagnostics.iter().chain(&checked.diagnostics) {
@@ -161,12 +194,36 @@ fn check_rules(text: &str) {
         let again = parse::parse(&printed);
         assert!(again.diagnostics.is_empty() && again.file == parsed.file, "printed:\n{printed}");
     }
-    if !checked.has_errors() {
-        // Each is planned, or refused by name.
-        for system in &checked.systems {
-            if let Err(e) = Plan::new(system) {
-                assert_inside(e.span, text);
-            }
+    if checked.has_errors() {
+        return 0;
+    }
+    // Each is planned, or refused by name.
+    let derived = |system: &System| match Plan::new(system) {
+        Ok(plan) => derive(system, &plan),
+        Err(e) => {
+            assert_inside(e.span, text);
+            0
+        }
+    };
+    checked.systems.iter().map(derived).sum()
+}
+
+/// A few steps on the CPU within little memory: a word that holds together, or an error in words.
+/// Returns how many words came.
+fn derive(system: &System, plan: &Plan) -> u64 {
+    let degree = plan.tables.layout.degree;
+    let points = (0..patch::net_points(degree)).map(|k| [k as f32, (k * k % 7) as f32, 1.0, 1.0]).collect();
+    let net = Net { degree, points };
+    let Ok(axiom) = Axiom::load::<String>(system, &mut |_| Ok(vec![net.clone(); 2])) else { return 0 };
+    let options = Options { steps: Some(3), max_bytes: 1 << 18, ..Options::default() };
+    match cpu::derive(plan, &axiom, &options, 1) {
+        Ok((word, _)) => {
+            word.validate().expect("a word holds together");
+            1
+        }
+        Err(e) => {
+            assert!(!e.to_string().is_empty());
+            0
         }
     }
 }
@@ -174,15 +231,35 @@ fn check_rules(text: &str) {
 #[test]
 fn rules_that_are_nearly_right() {
     let folders = ["examples", "tests/data/language", "tests/data/refused", "tests/data/warned"];
-    fuzz(&corpus(&folders, &["burgeon"]), 0x5eed_0001, check_rules);
+    fuzz(&corpus(&folders, &["burgeon"]), 0x5eed_0001, nearly_right, check_rules);
 }
 
-fn assert_whole(nets: &[Net]) {
+#[test]
+fn rules_that_are_right_but_for_a_word_are_derived() {
+    let texts =
+        corpus(&["examples", "src/conformance/systems", "src/conformance/systems/generated"], &["burgeon"]);
+    let derived = fuzz(&texts, 0x5eed_0004, otherwise_right, check_rules);
+    assert!(derived > INPUTS / 10, "only {derived} words of {INPUTS} texts");
+}
+
+/// What a reader accepts is whole, and comes back the same from what is written. Returns 1 if so.
+fn check_nets(nets: &[Net]) -> u64 {
     for net in nets {
-        assert_eq!(net.points.len(), burgeon::patch::net_points(net.degree));
+        assert_eq!(net.points.len(), patch::net_points(net.degree));
         assert!(net.points.iter().flatten().all(|x| x.is_finite()), "{net:?}");
         assert!(net.points.iter().all(|p| p[3] > 0.0), "{net:?}");
     }
+    // Nets of several degrees, or too large to be halved, are no word.
+    let Ok(word) = Word::from_nets("s", "P", nets) else { return 0 };
+    let mut written = Vec::new();
+    io::bv::write(&mut written, &word).expect("what is read is written");
+    assert_eq!(io::bv::parse(&written, true).expect("and read again"), nets);
+    if !word.rational {
+        written.clear();
+        io::bpt::write(&mut written, &word).expect("what is read is written");
+        assert_eq!(io::bpt::parse(&written, false).expect("and read again"), nets);
+    }
+    u64::from(!nets.is_empty())
 }
 
 const BV: &str = "Group 1 quarter\n8\n2 1\n1 0 0 1\n1 0 2 1\n0.7 0.7 0 0.7\n0.7 0.7 1.4 0.7\n0 1 0 1\n0 1 2 1\n\
@@ -194,18 +271,21 @@ fn files_of_nets_that_are_nearly_right() {
     texts.push(BV.to_string());
     // Most of a long file says the same again and again.
     texts.iter_mut().for_each(|t| t.truncate(t.floor_char_boundary(3000)));
-    fuzz(&texts, 0x5eed_0002, |text| {
+    let whole = fuzz(&texts, 0x5eed_0002, nearly_right, |text| {
+        let mut whole = 0;
         for rational in [false, true] {
             for parse in [io::bpt::parse, io::bv::parse, io::obj::parse_bspline] {
                 match parse(text.as_bytes(), rational) {
-                    Ok(nets) => assert_whole(&nets),
+                    Ok(nets) => whole += check_nets(&nets),
                     Err(e) => {
                         assert!(e.line >= 1 && e.line <= text.split('\n').count() && e.column >= 1, "{e}")
                     }
                 }
             }
         }
+        whole
     });
+    assert!(whole > INPUTS / 20, "only {whole} files of {INPUTS} texts");
 }
 
 #[test]
@@ -215,18 +295,24 @@ fn words_and_values_that_are_nearly_right() {
        "net": {"degree": [1, 1], "points": [[0, 0, 0, 1], [0, -0.0, 1, 1], [1, 0, 0, 1], [1, 0, 1, 1]]}}]}"#;
     let grid = r#"{"size": [2, 1, 2], "from": [0, 0, 0], "to": [1, 0, 1], "values": [1, 0.5, [1, 2], true]}"#;
     let texts = [word, grid, "0.5\n1\n-2e3\n", "1,2,3\n4,5,6\n", "true\nfalse\n"].map(String::from);
-    fuzz(&texts, 0x5eed_0003, |text| {
+    let whole = fuzz(&texts, 0x5eed_0003, nearly_right, |text| {
+        let mut whole = 0;
         if let Ok(word) = io::json::parse(text.as_bytes()) {
             word.validate().expect("what is read holds together");
             let mut written = Vec::new();
             io::json::write(&mut written, &word).expect("what is read is written");
             assert_eq!(io::json::parse(&written).expect("and read again"), word);
+            whole += 1;
         }
         for ty in [Type::Bool, Type::Int, Type::Float, Type::Vec2, Type::Vec3] {
-            // Their errors name a place or a value.
-            for wrong in [io::values::parse_csv(text, &ty).err(), io::values::parse_json(text, &ty).err()] {
-                assert!(wrong.is_none_or(|w| !w.message.is_empty()));
+            let list = io::values::parse_csv(text.as_bytes(), &ty);
+            let grid = io::values::parse_json(text.as_bytes(), &ty).map(|grid| grid.values);
+            for values in [list, grid].into_iter().flatten() {
+                assert!(values.iter().all(|v| v.ty() == ty), "{values:?}");
+                whole += u64::from(!values.is_empty());
             }
         }
+        whole
     });
+    assert!(whole > INPUTS / 20, "only {whole} files of {INPUTS} texts");
 }
