@@ -8,6 +8,7 @@ mod buffers;
 mod headless;
 mod kernels;
 mod scans;
+mod sweep;
 
 pub use backend::{Gpu, GpuChunk, derive};
 pub use headless::{Headless, Requirement, adapters, adapters_in};
