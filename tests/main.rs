@@ -31,3 +31,4 @@ mod render;
 #[cfg(feature = "gpu")]
 mod scan;
 mod shaders;
+mod tessellate;

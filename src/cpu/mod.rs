@@ -13,6 +13,7 @@ pub mod measure;
 pub mod program;
 pub mod retire;
 pub mod scan;
+pub mod tessellate;
 
 use crate::language::expr::Value;
 use crate::patch;

@@ -1,8 +1,20 @@
 //! Leaves to triangles: the pure definitions.
 
+pub mod bound;
 pub mod grid;
+pub mod lattice;
+pub mod level;
+pub mod orientation;
+pub mod passes;
+pub mod surface;
+pub mod topology;
+pub mod tree;
+pub mod vertex;
+pub mod word;
 
 pub use grid::{Error, dice, grid_for, per_vertex};
+pub use level::{Camera, Level, LevelError, Measure};
+pub use topology::Topology;
 
 /// Which axis of a model points up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

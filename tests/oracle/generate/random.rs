@@ -38,4 +38,9 @@ impl Random {
             items.swap(i, self.below(i + 1));
         }
     }
+
+    /// In 0 to below 1.
+    pub fn unit(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1u64 << 53) as f64
+    }
 }

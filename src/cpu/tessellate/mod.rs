@@ -1,0 +1,256 @@
+//! The CPU backend of tessellations: the passes of [`crate::tessellate::passes`] over vectors, in
+//! parallel, with the same result whatever the number of threads.
+
+pub mod advance;
+pub mod decide;
+pub mod finish;
+pub mod mark;
+pub mod split;
+pub mod tally;
+pub mod triangles;
+pub mod vertices;
+
+use super::scan::scan;
+use crate::patch::Net;
+use crate::tessellate::lattice::Node;
+use crate::tessellate::level::Target;
+use crate::tessellate::passes::{DrawArgs, Status};
+use crate::tessellate::surface::{self, Patches};
+use crate::tessellate::tree::Tree;
+use crate::tessellate::vertex::Format;
+use crate::tessellate::word::{self, Table};
+use crate::tessellate::{Mesh, Topology};
+
+/// Nodes that one task of a pass works on.
+pub const BLOCK: usize = 256;
+
+/// Trees, vertices and triangles of a set of patches. Vectors are kept from frame to frame.
+pub struct Tessellator {
+    topology: Topology,
+    degree: [u8; 2],
+    rational: bool,
+    nets: Vec<[f32; 4]>,
+    orders: [Vec<usize>; 8],
+    /// The nodes that each frame begins with.
+    start: Vec<Node>,
+    table: Option<Table>,
+    format: Format,
+    shared: bool,
+    trees: Trees,
+    /// The children of the frame before.
+    children_before: Vec<u32>,
+    status: Status,
+    draw: DrawArgs,
+    out: Out,
+}
+
+/// The columns of nodes: see [`crate::tessellate::passes`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Trees {
+    pub nodes: Vec<Node>,
+    pub children: Vec<u32>,
+    /// The node of the frame before with the same cell.
+    pub before: Vec<u32>,
+    pub marks: Vec<u32>,
+    /// Counts of the pass that ran last: 1 for a split cell, or vertices.
+    pub counts: Vec<u32>,
+    pub triangle_counts: Vec<u32>,
+    /// Prefix sums of the same, and the total.
+    pub offsets: Vec<u32>,
+    pub triangle_offsets: Vec<u32>,
+    /// Nodes from here on are the level that is being split.
+    pub level: usize,
+}
+
+/// What is drawn.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Out {
+    pub vertices: Vec<u32>,
+    /// Three a triangle, counter-clockwise from where the normals of the file's patches point.
+    pub indices: Vec<u32>,
+    /// For each triangle the node whose surface it is.
+    pub cells: Vec<u32>,
+}
+
+/// What a set of patches is, and how its vertices are wanted.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Options {
+    pub format: Format,
+    /// Vertices on the curves between patches are made for each patch, with its own uv and normal, equal
+    /// to the bit in position; else all patches of a curve share them.
+    pub seams: bool,
+}
+
+impl Tessellator {
+    /// For these nets, which have the same degrees; each begins as one cell.
+    pub fn new(nets: &[Net], options: &Options) -> Tessellator {
+        let topology = Topology::new(nets);
+        let start = (0..nets.len() as u32).map(|root| Node { root, ..Node::default() }).collect();
+        Tessellator::with_start(nets, topology, start, options)
+    }
+
+    /// For the leaves of a word, whose roots are these nets. `hole` is the symbol of erased cells.
+    ///
+    /// # Errors
+    /// Where the word's leaves are no partition of the roots: see [`word::nodes`].
+    pub fn of_word(
+        nets: &[Net],
+        word: &crate::patch::Word,
+        hole: Option<usize>,
+        options: &Options,
+    ) -> Result<Tessellator, word::Error> {
+        let topology = Topology::new(nets);
+        let start = word::nodes(word, &topology, hole)?;
+        Ok(Tessellator::with_start(nets, topology, start, options))
+    }
+
+    fn with_start(nets: &[Net], topology: Topology, start: Vec<Node>, options: &Options) -> Tessellator {
+        let degree = nets.first().map_or([3, 3], |net| net.degree);
+        let points: Vec<[f32; 4]> = nets.iter().flat_map(|net| net.points.iter().copied()).collect();
+        Tessellator {
+            topology,
+            degree,
+            rational: points.iter().any(|p| p[3] != 1.0),
+            nets: points,
+            orders: surface::orders(degree),
+            table: (!word::are_roots(&start)).then(|| Table::new(&start)),
+            start,
+            format: options.format,
+            shared: !options.seams,
+            trees: Trees::default(),
+            children_before: Vec::new(),
+            status: Status::default(),
+            draw: DrawArgs::default(),
+            out: Out::default(),
+        }
+    }
+
+    /// Other control points, of patches that meet as before.
+    ///
+    /// # Panics
+    /// When they are not as many as before.
+    pub fn set_points(&mut self, points: &[[f32; 4]]) {
+        assert_eq!(points.len(), self.nets.len(), "control points of a set of patches");
+        self.nets.copy_from_slice(points);
+    }
+
+    pub fn topology(&self) -> &Topology {
+        &self.topology
+    }
+    pub fn trees(&self) -> &Trees {
+        &self.trees
+    }
+    pub fn out(&self) -> &Out {
+        &self.out
+    }
+    pub fn status(&self) -> &Status {
+        &self.status
+    }
+    pub fn draw_args(&self) -> &DrawArgs {
+        &self.draw
+    }
+    pub fn format(&self) -> &Format {
+        &self.format
+    }
+
+    fn patches(&self) -> Patches<'_> {
+        Patches { degree: self.degree, rational: self.rational, nets: &self.nets, orders: &self.orders }
+    }
+
+    /// The trees, to ask who is whose neighbour.
+    pub fn tree(&self) -> Tree<'_> {
+        Tree {
+            topology: self.topology.words(),
+            nodes: &self.trees.nodes,
+            children: &self.trees.children,
+            word: self.table.as_ref(),
+            shared: self.shared,
+        }
+    }
+
+    /// Makes the trees, then vertices and triangles.
+    pub fn run(&mut self, target: &Target) {
+        self.refine(target);
+        self.stitch();
+        self.dice();
+    }
+
+    /// The trees.
+    pub fn refine(&mut self, target: &Target) {
+        let mut t = std::mem::take(&mut self.trees);
+        std::mem::swap(&mut t.children, &mut self.children_before);
+        t.begin(&self.start, !self.children_before.is_empty());
+        while t.level < t.nodes.len() {
+            decide::decide(&self.patches(), self.topology.words(), target, &self.children_before, &mut t);
+            t.offsets.resize(t.counts.len() + 1, 0);
+            scan(&t.counts, &mut t.offsets);
+            split::split(&self.children_before, &mut t);
+            advance::advance(&mut t);
+        }
+        self.trees = t;
+    }
+
+    /// Who owns which vertex and makes which triangle.
+    pub fn stitch(&mut self) {
+        let mut t = std::mem::take(&mut self.trees);
+        let (table, shared) = (self.table.as_ref(), self.shared);
+        let marks = {
+            let tree = Tree {
+                topology: self.topology.words(),
+                nodes: &t.nodes,
+                children: &t.children,
+                word: table,
+                shared,
+            };
+            let marks = mark::mark(&tree, std::mem::take(&mut t.marks));
+            tally::tally(&tree, marks, &mut t.counts, &mut t.triangle_counts)
+        };
+        t.marks = marks;
+        t.offsets.resize(t.counts.len() + 1, 0);
+        t.triangle_offsets.resize(t.triangle_counts.len() + 1, 0);
+        scan(&t.counts, &mut t.offsets);
+        scan(&t.triangle_counts, &mut t.triangle_offsets);
+        self.trees = t;
+        finish::finish(&self.trees, &mut self.status, &mut self.draw);
+    }
+
+    /// Vertices and triangles, of trees that stand: after other control points, too.
+    pub fn dice(&mut self) {
+        let mut out = std::mem::take(&mut self.out);
+        let tree = self.tree();
+        out.vertices.resize(self.status.vertices as usize * self.format.stride() as usize / 4, 0);
+        out.indices.resize(self.status.indices as usize, 0);
+        out.cells.resize(self.status.indices as usize / 3, 0);
+        vertices::vertices(&self.patches(), &tree, &self.trees, &self.format, &mut out.vertices);
+        triangles::triangles(&tree, &self.trees, &mut out.indices, &mut out.cells);
+        self.out = out;
+    }
+
+    /// Position, normal and uv of all vertices, and the triangles.
+    ///
+    /// # Panics
+    /// When the format is not [`Format::default`].
+    pub fn mesh(&self) -> Mesh {
+        assert_eq!(self.format, Format::default(), "the format of a mesh");
+        let vertices: &[[f32; 8]] = bytemuck::cast_slice(&self.out.vertices);
+        Mesh {
+            positions: vertices.iter().map(|v| [v[0], v[1], v[2]]).collect(),
+            normals: vertices.iter().map(|v| [v[3], v[4], v[5]]).collect(),
+            uvs: vertices.iter().map(|v| [v[6], v[7]]).collect(),
+            indices: self.out.indices.clone(),
+        }
+    }
+}
+
+impl Trees {
+    fn begin(&mut self, start: &[Node], remembers: bool) {
+        self.nodes.clear();
+        self.nodes.extend(start);
+        self.children.clear();
+        self.marks.clear();
+        self.before.clear();
+        let nowhere = crate::tessellate::lattice::NOWHERE;
+        self.before.extend((0..start.len() as u32).map(|n| if remembers { n } else { nowhere }));
+        self.level = 0;
+    }
+}

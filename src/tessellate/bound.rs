@@ -1,0 +1,71 @@
+//! How far a cell's triangles can be from its surface: a bound that is proved.
+//!
+//! Let M₁, M₂, M₃ bound |S_xx|, |S_xy|, |S_yy| over a cell of unit size. Any triangle with its vertices on the
+//! surface, inside the cell, is nowhere farther from the surface point of the same parameter than
+//! (M₁ + 2 M₂ + M₃)/8. (Taylor's theorem about a point x = Σ λᵢvᵢ of the triangle: the linear terms cancel; Σ λᵢ dxᵢ² is the
+//! variance of a variable on an interval of length 1, at most ¼ by Popoviciu, and the mixed term as much by
+//! Cauchy and Schwarz. The constant is Filip's, and z = x² attains it.) So it holds for both triangles of a
+//! cell and for every fan.
+//!
+//! For a Bézier net of m + 1 by n + 1 points S_xx is m(m − 1) times a convex combination of second
+//! differences, and so on: M₁ = m(m − 1) max |Δ²ₓ|, M₂ = m n max |ΔₓΔᵧ|, M₃ = n(n − 1) max |Δ²ᵧ|.
+//!
+//! A rational net p/w is bounded in homogeneous space. Let b be p/w with the origin moved to the middle of
+//! its box, r = max |b|, and L the linear interpolant: p/w − Lp/Lw = ((p − Lp) − (Lp/Lw)(w − Lw))/w and |Lp/Lw| ≤ r, so
+//! the error is at most (K(p) + r K(w))/(8 min w) with K = M₁ + 2 M₂ + M₃. Differences of p and w have the same Bernstein
+//! weights, so |Δp| + r |Δw| may be bounded together. A surface seen through a camera is such a net in two
+//! dimensions, with the depth for w: that bounds the error in pixels, and nothing is assumed of the surface's
+//! distance.
+//!
+//! Each halving of both directions divides the differences by 4 or more, so the bound falls at least so fast.
+
+use super::surface::{Control, length};
+use glam::{Vec3, Vec4};
+
+/// What rounding may do to a difference of points as large as 1, and to the sum of differences.
+const ROUNDING: f32 = 1e-6;
+
+/// The bound for a net. `projective`: weights differ, else all are 1.
+#[inline]
+pub fn error(net: &Control, projective: bool) -> f32 {
+    match (net.rows, net.columns) {
+        (4, 4) => bound(&net.points[..16], 4, 4, projective),
+        (rows, columns) => bound(&net.points[..rows * columns], rows, columns, projective),
+    }
+}
+
+#[inline(always)]
+fn bound(points: &[Vec4], rows: usize, columns: usize, projective: bool) -> f32 {
+    let (mut low, mut high, mut least) = (Vec3::INFINITY, Vec3::NEG_INFINITY, f32::INFINITY);
+    let mut far = 0.0f32;
+    for p in points {
+        let here = if projective { p.truncate() / p.w } else { p.truncate() };
+        low = low.min(here);
+        high = high.max(here);
+        least = least.min(p.w);
+        far = far.max(p.truncate().abs().max_element());
+    }
+    let (middle, r) = match projective {
+        false => (Vec3::ZERO, 0.0),
+        true => ((low + high) * 0.5, length((high - low) * 0.5)),
+    };
+    let size = |d: Vec4| length(d.truncate() - middle * d.w) + r * d.w.abs();
+    let at = |i: usize, j: usize| points[i * columns + j];
+    let (mut xx, mut xy, mut yy) = (0.0f32, 0.0f32, 0.0f32);
+    for i in 0..rows {
+        for j in 0..columns {
+            if i + 2 < rows {
+                xx = xx.max(size((at(i + 2, j) + at(i, j)) - 2.0 * at(i + 1, j)));
+            }
+            if i + 1 < rows && j + 1 < columns {
+                xy = xy.max(size((at(i, j) + at(i + 1, j + 1)) - (at(i, j + 1) + at(i + 1, j))));
+            }
+            if j + 2 < columns {
+                yy = yy.max(size((at(i, j + 2) + at(i, j)) - 2.0 * at(i, j + 1)));
+            }
+        }
+    }
+    let (m, n) = (rows as f32 - 1.0, columns as f32 - 1.0);
+    let k = m * (m - 1.0) * xx + 2.0 * m * n * xy + n * (n - 1.0) * yy;
+    (k * 0.125 + ROUNDING * far) / if projective { least } else { 1.0 }
+}

@@ -1,0 +1,364 @@
+//! Points of a root's surface in f32, as a tessellation computes them.
+//!
+//! A vertex is computed once, so nothing hangs on how it rounds, but for one thing: a point on a root's
+//! side is computed from that side's control points alone, by midpoints, which are the same read either way.
+//! So meshes whose vertices are not shared between patches still have none apart. Points inside are sums of
+//! Bernstein weights. [`crate::patch::evaluate`] is the same in f64, from leaves.
+
+use super::lattice::{FULL, LEVELS, NOWHERE, Node, along, side_corner};
+use super::orientation::{self, Orientation};
+use super::topology::{curve_of, entries, incidence, orientation_of, point_of, reversed, side_at, turned};
+use super::tree::Tree;
+use super::vertex::Vertex;
+use crate::patch::MAX_DEGREE;
+use glam::{Vec3, Vec4};
+
+/// Points along one direction of the largest net.
+const MOST: usize = MAX_DEGREE as usize + 1;
+
+/// The control points of all roots, as the caller gave them.
+#[derive(Clone, Copy)]
+pub struct Patches<'a> {
+    pub degree: [u8; 2],
+    pub rational: bool,
+    pub nets: &'a [[f32; 4]],
+    /// Of [`orders`].
+    pub orders: &'a [Vec<usize>; 8],
+}
+
+/// For each orientation where the points of a canonical net stand in the file's.
+pub fn orders(degree: [u8; 2]) -> [Vec<usize>; 8] {
+    let transposable = degree[0] == degree[1];
+    std::array::from_fn(|o| match o {
+        4.. if !transposable => Vec::new(),
+        o => orientation::points(degree, Orientation(o as u8)).collect(),
+    })
+}
+
+/// A root's control points in its canonical orientation, row by row.
+#[derive(Clone)]
+pub struct Control {
+    pub rows: usize,
+    pub columns: usize,
+    pub points: [Vec4; MOST * MOST],
+}
+
+impl Patches<'_> {
+    /// The canonical net of a root.
+    #[inline]
+    pub fn control(&self, root: u32, orientation: Orientation) -> Control {
+        let [rows, columns] = self.degree.map(|d| d as usize + 1);
+        let n = rows * columns;
+        let net = &self.nets[root as usize * n..][..n];
+        let mut points = [Vec4::ZERO; MOST * MOST];
+        let order = &self.orders[orientation.0 as usize];
+        for (point, &at) in points.iter_mut().zip(order) {
+            *point = Vec4::from_array(net[at]);
+        }
+        Control { rows, columns, points }
+    }
+}
+
+/// A point and its derivatives, in space.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample {
+    pub position: Vec3,
+    pub du: Vec3,
+    pub dv: Vec3,
+}
+
+impl Control {
+    /// The point at a lattice point.
+    #[inline]
+    pub fn position(&self, p: [u32; 2]) -> Vec3 {
+        let position = match (side_at(p[0], 0), side_at(p[1], 1)) {
+            (Some(side), _) => project(self.on_side(side, p[along(side)])),
+            (_, Some(side)) => project(self.on_side(side, p[along(side)])),
+            _ => self.sample(p.map(|x| x as f32 / FULL as f32)).position,
+        };
+        // +0 for −0: which of them comes depends on the way along the curve.
+        position + Vec3::ZERO
+    }
+
+    /// The point at t / FULL of a side, by midpoints alone.
+    #[inline]
+    fn on_side(&self, side: u32, t: u32) -> Vec4 {
+        let (first, step, n) = match side {
+            0 => (0, 1, self.columns),
+            1 => ((self.rows - 1) * self.columns, 1, self.columns),
+            2 => (0, self.columns, self.rows),
+            _ => (self.columns - 1, self.columns, self.rows),
+        };
+        let mut curve = [Vec4::ZERO; MOST];
+        for k in 0..n {
+            curve[k] = self.points[first + k * step];
+        }
+        match t {
+            0 => return curve[0],
+            FULL => return curve[n - 1],
+            _ => {}
+        }
+        // Halve, and keep the half where t lies; at last it is the point between the two.
+        let mut rest = t;
+        loop {
+            rest *= 2;
+            let upper = rest > FULL;
+            for level in 1..n {
+                for k in 0..n - level {
+                    // The upper half grows from the end, the lower one from the beginning.
+                    if upper || rest == FULL {
+                        curve[k] = (curve[k] + curve[k + 1]) * 0.5;
+                    } else {
+                        let k = n - 1 - k;
+                        curve[k] = (curve[k] + curve[k - 1]) * 0.5;
+                    }
+                }
+            }
+            if rest == FULL {
+                return curve[0];
+            }
+            if upper {
+                rest -= FULL;
+            }
+        }
+    }
+
+    /// Point and derivatives at (u, v), both in 0..=1.
+    #[inline]
+    pub fn sample(&self, [u, v]: [f32; 2]) -> Sample {
+        match (self.rows, self.columns) {
+            // With the sizes known the compiler unrolls it.
+            (4, 4) => sum(&self.points, 4, 4, u, v),
+            (rows, columns) => sum(&self.points, rows, columns, u, v),
+        }
+    }
+
+    /// The largest coordinate in space.
+    #[inline]
+    fn extent(&self) -> f32 {
+        let all = &self.points[..self.rows * self.columns];
+        all.iter().fold(0.0, |far, &p| project(p).abs().max_element().max(far))
+    }
+
+    /// Point, derivatives and unit normal S_x × S_y at a lattice point. Where the product is nothing but
+    /// rounding (a collapsed side, a cusp) it is that of a point a little towards the middle, and (0, 0, 1) where
+    /// the surface is a curve or a point.
+    #[inline]
+    pub fn normal(&self, p: [u32; 2]) -> (Vec3, Sample) {
+        let at = p.map(|x| x as f32 / FULL as f32);
+        let sample = self.sample(at);
+        let product = cross(sample.du, sample.dv);
+        let noise = NOISE * self.extent();
+        if let Some(normal) = direction(product, noise * length(sample.du) + noise * length(sample.dv)) {
+            return (normal, sample);
+        }
+        for nudge in NUDGES {
+            let near = self.sample(at.map(|x| x + (0.5 - x) * nudge));
+            let product = cross(near.du, near.dv);
+            if let Some(normal) = direction(product, noise * length(near.du) + noise * length(near.dv)) {
+                return (normal, sample);
+            }
+        }
+        (Vec3::Z, sample)
+    }
+}
+
+/// Rounding of a control point of 1 in a product of derivatives.
+const NOISE: f32 = 4e-6;
+
+/// How far towards the middle a normal is looked for where there is none.
+const NUDGES: [f32; 2] = [1.0 / 1024.0, 1.0 / 32.0];
+
+/// The unit vector, if the vector is longer than this.
+#[inline]
+fn direction(v: Vec3, least: f32) -> Option<Vec3> {
+    let length = length(v);
+    (length > least).then(|| v / length)
+}
+
+// Spelled out, as in the kernels.
+#[inline]
+pub fn length(v: Vec3) -> f32 {
+    (v.x * v.x + v.y * v.y + v.z * v.z).sqrt()
+}
+
+#[inline]
+pub fn dot(a: Vec3, b: Vec3) -> f32 {
+    a.x * b.x + a.y * b.y + a.z * b.z
+}
+
+#[inline]
+fn cross(a: Vec3, b: Vec3) -> Vec3 {
+    Vec3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
+}
+
+#[inline]
+fn project(p: Vec4) -> Vec3 {
+    Vec3::new(p.x / p.w, p.y / p.w, p.z / p.w)
+}
+
+/// The Bernstein weights of a degree at t, and their derivatives.
+#[inline(always)]
+fn bernstein(points: usize, t: f32) -> ([f32; MOST], [f32; MOST]) {
+    let s = 1.0 - t;
+    let mut w = [0.0; MOST];
+    w[0] = 1.0;
+    let mut slopes = [0.0; MOST];
+    for n in 1..points {
+        if n + 1 == points {
+            for k in 0..points {
+                let before = if k > 0 { w[k - 1] } else { 0.0 };
+                slopes[k] = n as f32 * (before - w[k]);
+            }
+        }
+        w[n] = t * w[n - 1];
+        for k in (1..n).rev() {
+            w[k] = s * w[k] + t * w[k - 1];
+        }
+        w[0] *= s;
+    }
+    (w, slopes)
+}
+
+#[inline(always)]
+fn sum(points: &[Vec4; MOST * MOST], rows: usize, columns: usize, u: f32, v: f32) -> Sample {
+    let (bu, su) = bernstein(rows, u);
+    let (bv, sv) = bernstein(columns, v);
+    let (mut point, mut du, mut dv) = (Vec4::ZERO, Vec4::ZERO, Vec4::ZERO);
+    for j in 0..columns {
+        let (mut value, mut slope) = (Vec4::ZERO, Vec4::ZERO);
+        for i in 0..rows {
+            let p = points[i * columns + j];
+            value += bu[i] * p;
+            slope += su[i] * p;
+        }
+        point += bv[j] * value;
+        du += bv[j] * slope;
+        dv += sv[j] * value;
+    }
+    let position = project(point);
+    let slope = |d: Vec4| (d.truncate() - position * d.w) / point.w;
+    Sample { position, du: slope(du), dv: slope(dv) }
+}
+
+/// The control points of a cell, in place of those of its root: halved along x as often as it was, then
+/// along y.
+#[inline]
+pub fn restrict(net: &mut Control, node: &Node) {
+    let (rows, columns) = (net.rows, net.columns);
+    let [du, dv] = node.depth();
+    match (rows, columns) {
+        (4, 4) => keep_halves(&mut net.points, [4, 4], [du, dv], [node.i, node.j]),
+        _ => keep_halves(&mut net.points, [rows, columns], [du, dv], [node.i, node.j]),
+    }
+}
+
+#[inline(always)]
+fn keep_halves(
+    net: &mut [Vec4; MOST * MOST],
+    [rows, columns]: [usize; 2],
+    [du, dv]: [u32; 2],
+    [i, j]: [u32; 2],
+) {
+    for level in (0..du).rev() {
+        for c in 0..columns {
+            keep_half(net, i >> level & 1 != 0, rows, c, columns);
+        }
+    }
+    for level in (0..dv).rev() {
+        for r in 0..rows {
+            keep_half(net, j >> level & 1 != 0, columns, r * columns, 1);
+        }
+    }
+}
+
+/// One half of a curve of n points that begin at `first` and lie `step` apart.
+#[inline(always)]
+fn keep_half(net: &mut [Vec4; MOST * MOST], upper: bool, n: usize, first: usize, step: usize) {
+    for level in 1..n {
+        for k in 0..n - level {
+            let (a, b) = if upper { (k, k + 1) } else { (n - 1 - k, n - 2 - k) };
+            net[first + a * step] = (net[first + a * step] + net[first + b * step]) * 0.5;
+        }
+    }
+}
+
+const _: () = assert!(LEVELS <= 24, "parameters of lattice points are exact in f32");
+
+impl Tree<'_> {
+    #[inline]
+    pub fn orientation(&self, root: u32) -> Orientation {
+        orientation_of(self.topology, root)
+    }
+
+    /// The vertex at a lattice point of a root with the canonical net `net`. Where patches share it, its normal is
+    /// the mean of theirs, each turned to the side of the first.
+    pub fn vertex(&self, patches: &Patches, net: &Control, root: u32, p: [u32; 2], symbol: u32) -> Vertex {
+        let orientation = self.orientation(root);
+        let (normal, sample) = net.normal(p);
+        let mut normal = if orientation.mirrors() { -normal } else { normal };
+        if self.shared {
+            let mut sum = normal;
+            self.others(root, p, |r, q| {
+                let (other, _) = patches.control(r, self.orientation(r)).normal(q);
+                sum += if dot(other, normal) < 0.0 { -other } else { other };
+            });
+            let length = length(sum);
+            if length > 0.0 {
+                normal = sum / length;
+            }
+        }
+        let [along_u, _] = orientation.to_file([sample.du, sample.dv], [Vec3::ZERO; 2]);
+        let across = along_u - normal * dot(normal, along_u);
+        let length = length(across);
+        let tangent = if length > 0.0 { across / length } else { beside(normal) };
+        Vertex {
+            position: net.position(p),
+            normal,
+            tangent: [tangent.x, tangent.y, tangent.z, 1.0],
+            uv: orientation.uv(p),
+            source: [root, symbol],
+        }
+    }
+
+    /// The same point as one of each other patch that shares it.
+    fn others(&self, root: u32, p: [u32; 2], mut see: impl FnMut(u32, [u32; 2])) {
+        let corner_at = |corner: u32| [(corner & 1) * FULL, (corner >> 1) * FULL];
+        let mut around = |record: u32, own: u32| {
+            for &entry in entries(self.topology, record) {
+                if entry != own {
+                    see(entry >> 2, corner_at(entry & 3));
+                }
+            }
+        };
+        match (side_at(p[0], 0), side_at(p[1], 1)) {
+            (None, None) => {}
+            (Some(x), Some(y)) => {
+                let corner = (x & 1) | (y & 1) << 1;
+                around(point_of(self.topology, root, corner), root << 2 | corner);
+            }
+            (Some(side), None) | (None, Some(side)) => {
+                let curve = curve_of(self.topology, root, side);
+                if curve == NOWHERE {
+                    let corner = side_corner(side, 0);
+                    return around(point_of(self.topology, root, corner), root << 2 | corner);
+                }
+                let t = turned(p[along(side)], reversed(self.topology, root, side));
+                for &entry in entries(self.topology, curve) {
+                    let (r, s, turn) = incidence(entry);
+                    if (r, s) != (root, side) {
+                        let (across, t) = ((s & 1) * FULL, turned(t, turn));
+                        see(r, if along(s) == 1 { [across, t] } else { [t, across] });
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Some unit vector at right angles to a unit vector.
+fn beside(n: Vec3) -> Vec3 {
+    let other = if n.x.abs() < 0.5 { Vec3::X } else { Vec3::Y };
+    let product = cross(n, other);
+    product / length(product)
+}
