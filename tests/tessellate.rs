@@ -1,13 +1,18 @@
 //! Watertight tessellations: the invariants T1 to T8, on closed and open sets of patches in all
 //! orientations, with holes, crowded curves and curves that share their ends.
 
+#[cfg(feature = "gpu")]
+mod device;
 mod invariants;
 mod sets;
 
-use burgeon::cpu::tessellate::{Options, Tessellator};
+use burgeon::cpu::tessellate::Tessellator;
 use burgeon::io::bpt;
-use burgeon::patch::Net;
-use burgeon::tessellate::{Level, Measure};
+use burgeon::cpu;
+use burgeon::language::{System, Value};
+use burgeon::patch::{Axiom, Net, Word};
+use burgeon::plan::{self, Plan};
+use burgeon::tessellate::{Level, Measure, Options};
 use invariants::{Checked, check};
 use proptest::prelude::*;
 use sets::{book, reoriented, scrambled, torus};
@@ -93,6 +98,43 @@ fn three_patches_on_one_curve_meet_on_it() {
     }
 }
 
+/// The word of an example with its holes kept, and the nets of its axiom.
+fn derived(name: &str, set: &[(&str, i32)]) -> (Plan, Word, Vec<Net>) {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/examples");
+    let text = std::fs::read_to_string(format!("{folder}/{name}.burgeon")).expect(name);
+    let system = System::parse(&text).expect(name);
+    let plan = Plan::keeping_holes(&system).expect(name);
+    let axiom = Axiom::load(&system, &mut |file| bpt::read(format!("{folder}/{file}"), plan.rational()));
+    let axiom = axiom.expect(name);
+    let set = set.iter().map(|&(name, value)| (name.to_string(), Value::Int(value))).collect();
+    let options = plan::Options { set, ..plan::Options::default() };
+    let (word, _) = cpu::derive(&plan, &axiom, &options, 0).expect(name);
+    (plan, word, axiom.roots.into_iter().map(|root| root.net).collect())
+}
+
+#[test]
+fn words_with_holes_are_watertight() {
+    for (name, set) in [
+        ("sierpinski", vec![("depth", 4)]),
+        ("sierpinski2", vec![]),
+        ("holes", vec![("depth", 3)]),
+        ("teapot_lace", vec![]),
+        ("fractal", vec![]),
+        ("cylinder", vec![]),
+        ("sphere", vec![]),
+        ("torus", vec![]),
+    ] {
+        let (plan, word, nets) = derived(name, &set);
+        for tolerance in [100.0, 0.02] {
+            let mut t = Tessellator::of_word(&nets, &word, plan.hole, &Options::default()).expect(name);
+            let level = Level::world(tolerance);
+            t.run(&level.target().expect("a level"));
+            let found = check(&t, &nets, Some(tolerance));
+            eprintln!("{name} at {tolerance}: {found:?}");
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 40, ..ProptestConfig::default() })]
 
@@ -107,5 +149,19 @@ proptest! {
         let tessellator = tessellated(&nets, &level, &Options::default());
         let found = check(&tessellator, &nets, None);
         prop_assert_eq!((found.characteristic, found.border_edges), (0, 0));
+    }
+}
+
+#[test]
+fn every_kernel_of_a_tessellation_is_valid() {
+    use burgeon::codegen::{Tessellation, Tuning, tessellation};
+    for degree in [[3, 3], [1, 1], [2, 5], [8, 8]] {
+        for (rational, word, seams) in [(false, false, false), (true, true, true)] {
+            let options = Options { seams, ..Options::default() };
+            let what = Tessellation { degree, rational, word, options };
+            for tuning in [Tuning::CPU_DRIVER, Tuning::GPU] {
+                tessellation(&what, &tuning).unwrap_or_else(|e| panic!("{what:?}: {e}"));
+            }
+        }
     }
 }

@@ -31,6 +31,20 @@ const FILES: &[(&str, &str)] = &[
     ("measure", include_str!("../../wgsl/measure.wgsl")),
     ("retire", include_str!("../../wgsl/retire.wgsl")),
     ("scan", include_str!("../../wgsl/scan.wgsl")),
+    ("advance", include_str!("../../wgsl/tessellate/advance.wgsl")),
+    ("decide", include_str!("../../wgsl/tessellate/decide.wgsl")),
+    ("finish", include_str!("../../wgsl/tessellate/finish.wgsl")),
+    ("mark", include_str!("../../wgsl/tessellate/mark.wgsl")),
+    ("split", include_str!("../../wgsl/tessellate/split.wgsl")),
+    ("tally", include_str!("../../wgsl/tessellate/tally.wgsl")),
+    ("triangles", include_str!("../../wgsl/tessellate/triangles.wgsl")),
+    ("vertices", include_str!("../../wgsl/tessellate/vertices.wgsl")),
+    ("bound", include_str!("../../wgsl/tessellate/shared/bound.wgsl")),
+    ("control", include_str!("../../wgsl/tessellate/shared/control.wgsl")),
+    ("lattice", include_str!("../../wgsl/tessellate/shared/lattice.wgsl")),
+    ("surface", include_str!("../../wgsl/tessellate/shared/surface.wgsl")),
+    ("topology", include_str!("../../wgsl/tessellate/shared/topology.wgsl")),
+    ("tree", include_str!("../../wgsl/tessellate/shared/tree.wgsl")),
 ];
 
 /// A text that stands in place of another, once in a file of `wgsl/` or in each line of the

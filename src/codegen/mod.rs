@@ -5,9 +5,11 @@
 
 mod generate;
 mod link;
+mod tessellation;
 
 #[doc(hidden)]
 pub use link::{Edit, GENERATED};
+pub use tessellation::{Tessellation, TessellationShaders, tessellation, tessellation_edited};
 
 use crate::language::Span;
 use crate::plan::Plan;

@@ -17,18 +17,32 @@ pub struct Kernel {
 impl Kernel {
     /// A kernel whose bindings are these columns: (column, written).
     pub fn new(engine: &Engine, shader: &Shader, bindings: &[(Column, bool)], entries: &[&str]) -> Kernel {
+        let bound = bindings.iter().map(|&(column, written)| match column {
+            Column::Extent | Column::Environment => Bound::Uniform,
+            _ if written => Bound::Written,
+            _ => Bound::Read,
+        });
+        Kernel::with_bindings(engine, shader, &bound.collect::<Vec<_>>(), entries)
+    }
+
+    /// A kernel with these bindings, numbered from 0.
+    pub fn with_bindings(engine: &Engine, shader: &Shader, bindings: &[Bound], entries: &[&str]) -> Kernel {
         let device = &engine.device;
         let label = shader.name;
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(label),
             source: wgpu::ShaderSource::Wgsl(shader.source.as_str().into()),
         });
-        let entry = |(n, (column, written)): (usize, &(Column, bool))| wgpu::BindGroupLayoutEntry {
+        let entry = |(n, bound): (usize, &Bound)| wgpu::BindGroupLayoutEntry {
             binding: n as u32,
             visibility: wgpu::ShaderStages::COMPUTE,
             ty: wgpu::BindingType::Buffer {
-                ty: binding_type(*column, *written),
-                has_dynamic_offset: false,
+                ty: match bound {
+                    Bound::Uniform | Bound::Slot => wgpu::BufferBindingType::Uniform,
+                    Bound::Read => wgpu::BufferBindingType::Storage { read_only: true },
+                    Bound::Written => wgpu::BufferBindingType::Storage { read_only: false },
+                },
+                has_dynamic_offset: *bound == Bound::Slot,
                 min_binding_size: None,
             },
             count: None,
@@ -92,6 +106,16 @@ impl Kernel {
     }
 }
 
+/// How a kernel sees a buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Bound {
+    Uniform,
+    /// A uniform that is one of several in a buffer, chosen when it is bound.
+    Slot,
+    Read,
+    Written,
+}
+
 /// Part of a buffer, bound.
 #[derive(Clone, Copy)]
 pub struct Binding<'a> {
@@ -110,13 +134,6 @@ impl<'a> Binding<'a> {
 fn bindings(pass: &Pass) -> Vec<(Column, bool)> {
     let reads = pass.reads.iter().map(|c| (*c, false));
     reads.chain(pass.writes.iter().map(|c| (*c, true))).collect()
-}
-
-fn binding_type(column: Column, written: bool) -> wgpu::BufferBindingType {
-    match column {
-        Column::Extent | Column::Environment => wgpu::BufferBindingType::Uniform,
-        _ => wgpu::BufferBindingType::Storage { read_only: !written },
-    }
 }
 
 /// Workgroups for so many invocations: more than fit in one dimension go on in the second.

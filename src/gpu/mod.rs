@@ -9,6 +9,7 @@ mod headless;
 mod kernels;
 mod scans;
 mod sweep;
+pub mod tessellate;
 
 pub use backend::{Gpu, GpuChunk, derive};
 pub use headless::{Headless, Requirement, adapters, adapters_in};
@@ -34,6 +35,15 @@ pub enum Error {
     Capacity { buffer: &'static str, needed: u64, capacity: u64 },
     #[error("{0}")]
     NoAdapter(String),
+    /// More room was asked for than the device binds in one piece.
+    #[error("the buffer of {buffer} would take {needed} bytes; the device binds {most} at most")]
+    Binding { buffer: &'static str, needed: u64, most: u64 },
+    #[error(transparent)]
+    Level(#[from] crate::tessellate::LevelError),
+    #[error(transparent)]
+    Word(#[from] crate::tessellate::word::Error),
+    #[error("{found} control points where the patches have {expected}")]
+    Points { found: usize, expected: usize },
 }
 
 /// The engine: a device, its queue, and the sizes that suit it.

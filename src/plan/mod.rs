@@ -8,6 +8,7 @@ pub mod compare;
 pub mod derive;
 pub mod given;
 pub mod graph;
+pub mod holes;
 pub mod layout;
 pub mod measure;
 pub mod schedule;
@@ -66,12 +67,21 @@ pub enum Error {
 pub struct Plan {
     pub system: Arc<System>,
     pub tables: Tables,
+    /// The symbol of erased cells, where they are kept.
+    pub hole: Option<usize>,
 }
 
 impl Plan {
     /// Builds the tables, or names what this version does not derive.
     pub fn new(system: &System) -> Result<Plan, Unsupported> {
-        Ok(Plan { tables: Tables::new(system)?, system: Arc::new(system.clone()) })
+        Ok(Plan { tables: Tables::new(system)?, system: Arc::new(system.clone()), hole: None })
+    }
+
+    /// The same with erased cells kept in the word, as modules of the symbol [`Plan::hole`]: what a
+    /// tessellation of the word wants. All other modules are the same.
+    pub fn keeping_holes(system: &System) -> Result<Plan, Unsupported> {
+        let (system, hole) = holes::kept(system);
+        Ok(Plan { hole: Some(hole), ..Plan::new(&system)? })
     }
 
     /// Whether control points have weights.

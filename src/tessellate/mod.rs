@@ -15,6 +15,16 @@ pub mod word;
 pub use grid::{Error, dice, grid_for, per_vertex};
 pub use level::{Camera, Level, LevelError, Measure};
 pub use topology::Topology;
+pub use vertex::Format;
+
+/// How the vertices of a watertight tessellation are wanted.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Options {
+    pub format: Format,
+    /// Vertices on the curves between patches are made for each patch, with its own uv and normal, equal
+    /// to the bit in position; else all patches of a curve share them, with the uv of one.
+    pub seams: bool,
+}
 
 /// Which axis of a model points up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -19,7 +19,7 @@ use crate::tessellate::surface::{self, Patches};
 use crate::tessellate::tree::Tree;
 use crate::tessellate::vertex::Format;
 use crate::tessellate::word::{self, Table};
-use crate::tessellate::{Mesh, Topology};
+use crate::tessellate::{Mesh, Options, Topology};
 
 /// Nodes that one task of a pass works on.
 pub const BLOCK: usize = 256;
@@ -70,15 +70,6 @@ pub struct Out {
     pub indices: Vec<u32>,
     /// For each triangle the node whose surface it is.
     pub cells: Vec<u32>,
-}
-
-/// What a set of patches is, and how its vertices are wanted.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Options {
-    pub format: Format,
-    /// Vertices on the curves between patches are made for each patch, with its own uv and normal, equal
-    /// to the bit in position; else all patches of a curve share them.
-    pub seams: bool,
 }
 
 impl Tessellator {

@@ -1,0 +1,99 @@
+//! The kernels of a tessellation.
+
+use super::{Edit, Error, Shader, Tuning, build, generate::Text, scan_constants};
+use crate::tessellate::Options;
+use crate::tessellate::vertex::{Normal, Position, Tangent, Uv};
+
+/// What a tessellation's kernels are made for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tessellation {
+    pub degree: [u8; 2],
+    pub rational: bool,
+    /// Begins with the leaves of a word, not with roots.
+    pub word: bool,
+    pub options: Options,
+}
+
+/// One kernel for each pass of [`crate::tessellate::passes`].
+pub struct TessellationShaders {
+    pub decide: Shader,
+    pub scan: Shader,
+    pub split: Shader,
+    pub advance: Shader,
+    pub mark: Shader,
+    pub tally: Shader,
+    pub finish: Shader,
+    pub vertices: Shader,
+    pub triangles: Shader,
+}
+
+/// Links and validates the kernels of a tessellation.
+pub fn tessellation(what: &Tessellation, tuning: &Tuning) -> Result<TessellationShaders, Error> {
+    tessellation_edited(what, tuning, None)
+}
+
+/// The same, with a text replaced on purpose.
+#[doc(hidden)]
+pub fn tessellation_edited(
+    what: &Tessellation,
+    tuning: &Tuning,
+    edit: Option<&Edit>,
+) -> Result<TessellationShaders, Error> {
+    let constants = constants(what, tuning);
+    let kernel = |name| build(name, &constants, Text::default(), edit);
+    Ok(TessellationShaders {
+        decide: kernel("decide")?,
+        scan: build("scan", &scan_constants(tuning), Text::default(), edit)?,
+        split: kernel("split")?,
+        advance: kernel("advance")?,
+        mark: kernel("mark")?,
+        tally: kernel("tally")?,
+        finish: kernel("finish")?,
+        vertices: kernel("vertices")?,
+        triangles: kernel("triangles")?,
+    })
+}
+
+fn constants(what: &Tessellation, tuning: &Tuning) -> String {
+    let [rows, columns] = what.degree.map(|d| u32::from(d) + 1);
+    let format = what.options.format;
+    let number = |n: u32, name: &str| format!("const {name} = {n}u;\n");
+    let flag = |is: bool, name: &str| format!("const {name} = {is};\n");
+    [
+        number(tuning.workgroup, "WORKGROUP"),
+        number(rows, "ROWS"),
+        number(columns, "COLUMNS"),
+        number(rows * columns, "POINTS"),
+        number(rows.max(columns), "LINES"),
+        flag(what.rational, "RATIONAL"),
+        flag(what.word, "WORD"),
+        flag(!what.options.seams, "SHARED"),
+        flag(matches!(format.position, Position::Snorm16 { .. }), "POSITION_SNORM"),
+        number(
+            match format.normal {
+                None => 0,
+                Some(Normal::Float) => 1,
+                Some(Normal::Octahedral) => 2,
+            },
+            "NORMAL",
+        ),
+        number(
+            match format.tangent {
+                None => 0,
+                Some(Tangent::Float) => 1,
+                Some(Tangent::Snorm8) => 2,
+            },
+            "TANGENT",
+        ),
+        number(
+            match format.uv {
+                None => 0,
+                Some(Uv::Float) => 1,
+                Some(Uv::Unorm16) => 2,
+            },
+            "UV",
+        ),
+        flag(format.source, "SOURCE"),
+    ]
+    .concat()
+}

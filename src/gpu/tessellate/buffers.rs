@@ -1,0 +1,184 @@
+//! The buffers of a tessellation. All are made when it is prepared, none while frames are recorded.
+
+use super::super::{Engine, Error};
+use super::Capacity;
+use crate::tessellate::lattice::{MAX_DEPTH, Node};
+use crate::tessellate::level::Target;
+use crate::tessellate::passes::{DrawArgs, Status};
+use crate::tessellate::vertex::{Format, Outputs};
+use wgpu::BufferUsages;
+
+/// Levels that may be split: from the roots down to the deepest.
+pub(super) const LEVELS: u32 = MAX_DEPTH + 1;
+
+/// The range of all nodes, behind those of the levels and of the one that the last would make.
+pub(super) const ALL: u32 = LEVELS + 1;
+
+/// Uniforms of a buffer of several begin at multiples of this.
+pub(super) const SLOT: u64 = 256;
+
+/// Bytes of a range: count, first, level, needed, and four reserved words.
+pub(super) const RANGE_BYTES: u64 = 32;
+
+/// Bytes of the workgroups of a range: those for its nodes, then, 16 bytes on, those for their scan.
+pub(super) const DISPATCH_BYTES: u64 = 32;
+
+/// What of counts and offsets a pass works on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Section {
+    Vertices,
+    Triangles,
+}
+
+/// How the kernels see the sizes: `Sizes` of `wgsl/tessellate/shared/lattice.wgsl`.
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Sizes {
+    pub nodes: u32,
+    pub vertices: u32,
+    pub indices: u32,
+    pub section: u32,
+    pub first_index: u32,
+    pub base_vertex: u32,
+    pub all: u32,
+    pub tile: u32,
+}
+
+/// What does not depend on capacities.
+pub(super) struct Input<'a> {
+    pub nets: &'a [[f32; 4]],
+    pub topology: &'a [u32],
+    pub table: &'a [u32],
+    pub start: &'a [Node],
+    pub format: &'a Format,
+}
+
+pub(super) struct Buffers {
+    pub nets: wgpu::Buffer,
+    pub topology: wgpu::Buffer,
+    pub table: wgpu::Buffer,
+    pub target: wgpu::Buffer,
+    pub outputs: wgpu::Buffer,
+    pub sizes: wgpu::Buffer,
+    /// For each level its number.
+    pub turns: wgpu::Buffer,
+    pub ranges: wgpu::Buffer,
+    pub dispatches: wgpu::Buffer,
+    /// The workgroups of `vertices` and `triangles`.
+    pub last: wgpu::Buffer,
+    pub nodes: wgpu::Buffer,
+    /// Of this frame and of the one before, in turn.
+    pub children: [wgpu::Buffer; 2],
+    pub marks: wgpu::Buffer,
+    pub counts: wgpu::Buffer,
+    pub offsets: wgpu::Buffer,
+    pub sums: wgpu::Buffer,
+    pub vertices: wgpu::Buffer,
+    pub indices: wgpu::Buffer,
+    pub cells: wgpu::Buffer,
+    pub draw: wgpu::Buffer,
+    pub status: wgpu::Buffer,
+    section: u64,
+}
+
+/// Words of a section: sections begin where storage may be bound.
+fn section_words(nodes: u32) -> u64 {
+    (u64::from(nodes) + 1).next_multiple_of(64)
+}
+
+impl Buffers {
+    pub fn new(engine: &Engine, input: &Input, capacity: &Capacity) -> Result<Buffers, Error> {
+        let nodes = capacity.nodes.max(input.start.len() as u32);
+        let section = section_words(nodes);
+        let tile = engine.tuning().tile();
+        let most = engine.device.limits().max_storage_buffer_binding_size;
+        let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
+        let make = |label: &'static str, bytes: u64, usage: BufferUsages| {
+            let bytes = bytes.max(16).next_multiple_of(16);
+            if usage.contains(BufferUsages::STORAGE) && bytes > most {
+                return Err(Error::Binding { buffer: label, needed: bytes, most });
+            }
+            Ok(engine.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: bytes,
+                usage,
+                mapped_at_creation: false,
+            }))
+        };
+        let written = storage | BufferUsages::COPY_DST;
+        let uniform = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
+        let n = u64::from(nodes);
+        let vertices = u64::from(capacity.vertices) * input.format.stride();
+        let indices = u64::from(capacity.indices);
+        let buffers = Buffers {
+            nets: make("burgeon control points", size_of_val(input.nets) as u64, written)?,
+            topology: make("burgeon topology", size_of_val(input.topology) as u64, written)?,
+            table: make("burgeon leaves of the word", size_of_val(input.table) as u64, written)?,
+            target: make("burgeon level", size_of::<Target>() as u64, uniform)?,
+            outputs: make("burgeon outputs", size_of::<Outputs>() as u64, uniform)?,
+            sizes: make("burgeon sizes", size_of::<Sizes>() as u64, uniform)?,
+            turns: make("burgeon levels", u64::from(LEVELS) * SLOT, uniform)?,
+            ranges: make("burgeon ranges", u64::from(ALL + 1) * SLOT, written | BufferUsages::UNIFORM)?,
+            dispatches: make(
+                "burgeon workgroups",
+                u64::from(ALL + 1) * DISPATCH_BYTES,
+                written | BufferUsages::INDIRECT,
+            )?,
+            last: make("burgeon last workgroups", 12, storage | BufferUsages::INDIRECT)?,
+            nodes: make("burgeon nodes", n * 16, written)?,
+            children: [
+                make("burgeon children", n * 4, storage)?,
+                make("burgeon children of the frame before", n * 4, storage)?,
+            ],
+            marks: make("burgeon marks", n * 4, storage)?,
+            counts: make("burgeon counts", 2 * section * 4, storage)?,
+            offsets: make("burgeon offsets", 2 * section * 4, storage)?,
+            sums: make("burgeon sums", (n.div_ceil(u64::from(tile)) + 1) * 4, storage)?,
+            vertices: make("burgeon vertices", vertices, storage | BufferUsages::VERTEX)?,
+            indices: make("burgeon indices", indices * 4, storage | BufferUsages::INDEX)?,
+            cells: make("burgeon cells of triangles", indices / 3 * 4, storage)?,
+            draw: make(
+                "burgeon draw arguments",
+                size_of::<DrawArgs>() as u64,
+                storage | BufferUsages::INDIRECT,
+            )?,
+            status: make("burgeon status", size_of::<Status>() as u64, storage)?,
+            section: section * 4,
+        };
+        let queue = &engine.queue;
+        let write = |buffer: &wgpu::Buffer, at: u64, bytes: &[u8]| queue.write_buffer(buffer, at, bytes);
+        write(&buffers.nets, 0, bytemuck::cast_slice(input.nets));
+        write(&buffers.topology, 0, bytemuck::cast_slice(input.topology));
+        write(&buffers.table, 0, bytemuck::cast_slice(input.table));
+        write(&buffers.nodes, 0, bytemuck::cast_slice(input.start));
+        let outputs = input.format.outputs(capacity.vertices);
+        write(&buffers.outputs, 0, bytemuck::bytes_of(&outputs));
+        let sizes = Sizes {
+            nodes,
+            vertices: capacity.vertices,
+            indices: capacity.indices,
+            section: section as u32,
+            first_index: 0,
+            base_vertex: 0,
+            all: ALL,
+            tile,
+        };
+        write(&buffers.sizes, 0, bytemuck::bytes_of(&sizes));
+        for level in 0..LEVELS {
+            write(&buffers.turns, u64::from(level) * SLOT, bytemuck::bytes_of(&level));
+        }
+        let count = input.start.len() as u32;
+        write(&buffers.ranges, 0, bytemuck::cast_slice(&[count, 0, 0, 0]));
+        let groups = |workgroup| {
+            let [x, y] = super::super::kernels::groups(u64::from(count), workgroup);
+            [x, y, 1, 0]
+        };
+        let first = [groups(engine.tuning().workgroup), groups(tile)];
+        write(&buffers.dispatches, 0, bytemuck::cast_slice(&first));
+        Ok(buffers)
+    }
+
+    pub fn section_bytes(&self) -> u64 {
+        self.section
+    }
+}

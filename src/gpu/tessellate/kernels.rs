@@ -1,0 +1,171 @@
+//! The pipelines of a tessellation, and what each binds.
+
+use super::super::kernels::{Binding, Bound, Kernel};
+use super::super::{Engine, Error};
+use super::buffers::{Buffers, RANGE_BYTES, Section};
+use crate::codegen::{self, Tessellation};
+
+/// One kernel a pass.
+pub(super) struct Kernels {
+    decide: Kernel,
+    pub scan: Kernel,
+    split: Kernel,
+    advance: Kernel,
+    mark: Kernel,
+    tally: Kernel,
+    finish: Kernel,
+    vertices: Kernel,
+    triangles: Kernel,
+}
+
+/// What they are bound to, for one frame of two that take turns.
+pub(super) struct Groups {
+    pub decide: wgpu::BindGroup,
+    pub scan: [wgpu::BindGroup; 2],
+    pub split: wgpu::BindGroup,
+    pub advance: wgpu::BindGroup,
+    pub mark: wgpu::BindGroup,
+    pub tally: wgpu::BindGroup,
+    pub finish: wgpu::BindGroup,
+    pub vertices: wgpu::BindGroup,
+    pub triangles: wgpu::BindGroup,
+}
+
+use Bound::{Read, Slot, Uniform, Written};
+
+impl Kernels {
+    pub fn new(engine: &Engine, what: &Tessellation) -> Result<Kernels, Error> {
+        let s = codegen::tessellation_edited(what, engine.tuning(), engine.edit.as_ref())?;
+        let kernel = |shader, bindings: &[Bound], entries: &[&str]| {
+            Kernel::with_bindings(engine, shader, bindings, entries)
+        };
+        Ok(Kernels {
+            decide: kernel(
+                &s.decide,
+                &[Slot, Uniform, Uniform, Read, Read, Read, Read, Written, Written],
+                &["decide"],
+            ),
+            scan: kernel(&s.scan, &[Slot, Read, Written, Written], &["reduce", "spine", "scan"]),
+            split: kernel(&s.split, &[Slot, Uniform, Read, Read, Written, Written, Written], &["split"]),
+            advance: kernel(&s.advance, &[Slot, Uniform, Read, Written, Written], &["advance"]),
+            mark: kernel(&s.mark, &[Slot, Read, Read, Read, Read, Written], &["mark"]),
+            tally: kernel(&s.tally, &[Slot, Uniform, Read, Read, Read, Read, Written, Written], &["tally"]),
+            finish: kernel(&s.finish, &[Slot, Uniform, Read, Written, Written, Written], &["finish"]),
+            vertices: kernel(
+                &s.vertices,
+                &[Slot, Uniform, Read, Read, Read, Read, Read, Read, Read, Written],
+                &["vertices_of"],
+            ),
+            triangles: kernel(
+                &s.triangles,
+                &[Slot, Uniform, Read, Read, Read, Read, Read, Read, Written, Written],
+                &["triangles"],
+            ),
+        })
+    }
+
+    /// Binds the buffers; `now` says whose turn it is.
+    pub fn groups(&self, engine: &Engine, b: &Buffers, now: usize) -> Groups {
+        let whole = |buffer: &'_ wgpu::Buffer| buffer.size();
+        macro_rules! all {
+            ($($buffer:expr),*) => { [$(Binding { buffer: $buffer, offset: 0, bytes: whole($buffer) }),*] };
+        }
+        let slot = |buffer| Binding { buffer, offset: 0, bytes: RANGE_BYTES };
+        let range = slot(&b.ranges);
+        let section = |buffer, section| {
+            let bytes = b.section_bytes();
+            Binding { buffer, offset: if section == Section::Triangles { bytes } else { 0 }, bytes }
+        };
+        let (children, before) = (&b.children[now], &b.children[1 - now]);
+        let bind = |kernel: &Kernel, first: Binding, rest: &[Binding]| {
+            kernel.bind(engine, &[&[first], rest].concat())
+        };
+        let scan = |s| {
+            let [sums] = all![&b.sums];
+            bind(&self.scan, range, &[section(&b.counts, s), section(&b.offsets, s), sums])
+        };
+        Groups {
+            decide: bind(
+                &self.decide,
+                range,
+                &all![&b.sizes, &b.target, &b.topology, &b.nets, &b.nodes, before, &b.counts, &b.marks],
+            ),
+            scan: [scan(Section::Vertices), scan(Section::Triangles)],
+            split: bind(
+                &self.split,
+                range,
+                &all![&b.sizes, &b.offsets, before, &b.counts, &b.nodes, children],
+            ),
+            advance: bind(
+                &self.advance,
+                slot(&b.turns),
+                &all![&b.sizes, &b.offsets, &b.ranges, &b.dispatches],
+            ),
+            mark: bind(&self.mark, range, &all![&b.topology, &b.nodes, children, &b.table, &b.marks]),
+            tally: bind(
+                &self.tally,
+                range,
+                &all![&b.sizes, &b.topology, &b.nodes, children, &b.table, &b.marks, &b.counts],
+            ),
+            finish: bind(&self.finish, range, &all![&b.sizes, &b.offsets, &b.status, &b.draw, &b.last]),
+            vertices: bind(
+                &self.vertices,
+                range,
+                &all![
+                    &b.outputs,
+                    &b.topology,
+                    &b.nets,
+                    &b.nodes,
+                    children,
+                    &b.table,
+                    &b.marks,
+                    &b.offsets,
+                    &b.vertices
+                ],
+            ),
+            triangles: bind(
+                &self.triangles,
+                range,
+                &all![
+                    &b.sizes,
+                    &b.topology,
+                    &b.nodes,
+                    children,
+                    &b.table,
+                    &b.marks,
+                    &b.offsets,
+                    &b.indices,
+                    &b.cells
+                ],
+            ),
+        }
+    }
+
+    /// The pass of this kernel.
+    pub fn of(&self, pass: Pass) -> &wgpu::ComputePipeline {
+        let kernel = match pass {
+            Pass::Decide => &self.decide,
+            Pass::Split => &self.split,
+            Pass::Advance => &self.advance,
+            Pass::Mark => &self.mark,
+            Pass::Tally => &self.tally,
+            Pass::Finish => &self.finish,
+            Pass::Vertices => &self.vertices,
+            Pass::Triangles => &self.triangles,
+        };
+        &kernel.pipelines[0]
+    }
+}
+
+/// The passes of one dispatch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Pass {
+    Decide,
+    Split,
+    Advance,
+    Mark,
+    Tally,
+    Finish,
+    Vertices,
+    Triangles,
+}

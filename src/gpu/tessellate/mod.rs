@@ -1,0 +1,383 @@
+//! Watertight tessellation on the device: [`Tessellator::encode`] records a frame and does nothing else.
+//!
+//! Nothing is read back, waited for or allocated between frames: every count stays on the device, and the
+//! number of triangles is in the arguments of an indirect draw. Where the room runs out nothing is written past
+//! its end; how much it would have taken is told a frame or so later ([`Tessellator::status`]).
+
+mod buffers;
+mod kernels;
+mod report;
+
+use super::buffers as reading;
+use super::{Engine, Error};
+use crate::codegen::Tessellation;
+use crate::patch::{Net, Word};
+use crate::tessellate::lattice::Node;
+use crate::tessellate::passes::{DrawArgs, Status};
+use crate::tessellate::vertex::Format;
+use crate::tessellate::word::{self, Table};
+use crate::tessellate::{Level, Options, Topology};
+use buffers::{ALL, Buffers, DISPATCH_BYTES, Input, LEVELS, SLOT};
+use kernels::{Groups, Kernels, Pass};
+use report::Report;
+
+/// Room for a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Capacity {
+    /// Cells of all levels: 44 bytes each.
+    pub nodes: u32,
+    pub vertices: u32,
+    /// Three a triangle; each triangle takes 4 bytes more for its cell.
+    pub indices: u32,
+}
+
+impl Capacity {
+    /// For about so many vertices: a third more nodes, and twice as many triangles.
+    pub fn for_vertices(vertices: u32) -> Capacity {
+        let nodes = vertices.saturating_add(vertices / 3).saturating_add(64);
+        Capacity { nodes, vertices, indices: vertices.saturating_mul(6) }
+    }
+
+    /// For what a frame wanted.
+    pub fn of(status: &Status) -> Capacity {
+        Capacity { nodes: status.nodes, vertices: status.vertices, indices: status.indices }
+    }
+}
+
+/// A set of patches, and the buffers of its tessellation.
+///
+/// The vertex buffer lies as its [`Format`] says; it, the indices (`u32`) and the draw's arguments are ready
+/// for `set_vertex_buffer`, `set_index_buffer` and `draw_indexed_indirect`.
+pub struct Tessellator {
+    engine: Engine,
+    kernels: Kernels,
+    buffers: Buffers,
+    groups: [Groups; 2],
+    /// Which of the two groups the next frame takes.
+    turn: usize,
+    what: Tessellation,
+    topology: Topology,
+    points: usize,
+    start: Vec<Node>,
+    table: Option<Table>,
+    /// Levels that a frame may split.
+    levels: u32,
+    /// Halvings that some root needs.
+    least: u32,
+    frozen: bool,
+    report: Report,
+}
+
+impl Tessellator {
+    /// For these nets, which have the same degrees; each begins as one cell. Waits for nothing.
+    ///
+    /// # Errors
+    /// [`Error::Binding`] for room that the device cannot bind, and what the device says.
+    pub fn new(
+        engine: &Engine,
+        nets: &[Net],
+        level: &Level,
+        options: &Options,
+        capacity: &Capacity,
+    ) -> Result<Tessellator, Error> {
+        let topology = Topology::new(nets);
+        let start = (0..nets.len() as u32).map(|root| Node { root, ..Node::default() }).collect();
+        Tessellator::with_start(engine, nets, topology, start, level, options, capacity)
+    }
+
+    /// For the leaves of a word, whose roots are these nets; `hole` is the symbol of erased cells, as
+    /// [`Plan::keeping_holes`](crate::plan::Plan::keeping_holes) gives it.
+    ///
+    /// # Errors
+    /// The same, and [`Error::Word`] where the leaves are no partition of the roots.
+    pub fn of_word(
+        engine: &Engine,
+        nets: &[Net],
+        word: &Word,
+        hole: Option<usize>,
+        level: &Level,
+        options: &Options,
+        capacity: &Capacity,
+    ) -> Result<Tessellator, Error> {
+        let topology = Topology::new(nets);
+        let start = word::nodes(word, &topology, hole)?;
+        Tessellator::with_start(engine, nets, topology, start, level, options, capacity)
+    }
+
+    fn with_start(
+        engine: &Engine,
+        nets: &[Net],
+        topology: Topology,
+        start: Vec<Node>,
+        level: &Level,
+        options: &Options,
+        capacity: &Capacity,
+    ) -> Result<Tessellator, Error> {
+        let points: Vec<[f32; 4]> = nets.iter().flat_map(|net| net.points.iter().copied()).collect();
+        let table = (!word::are_roots(&start)).then(|| Table::new(&start));
+        let what = Tessellation {
+            degree: nets.first().map_or([3, 3], |net| net.degree),
+            rational: points.iter().any(|p| p[3] != 1.0),
+            word: table.is_some(),
+            options: *options,
+        };
+        let mut tessellator = engine.checked("preparing a tessellation", || {
+            let kernels = Kernels::new(engine, &what)?;
+            let input = Input {
+                nets: &points,
+                topology: topology.words(),
+                table: table.as_ref().map_or(&[0], |t| t.words()),
+                start: &start,
+                format: &options.format,
+            };
+            let buffers = Buffers::new(engine, &input, capacity)?;
+            let groups = [0, 1].map(|now| kernels.groups(engine, &buffers, now));
+            let roots = 0..topology.roots() as u32;
+            let least = roots.map(|r| crate::tessellate::topology::least_depth(topology.words(), r));
+            Ok(Tessellator {
+                engine: engine.clone(),
+                kernels,
+                buffers,
+                groups,
+                turn: 0,
+                what,
+                least: least.max().unwrap_or(0),
+                topology,
+                points: points.len(),
+                start,
+                table,
+                levels: 0,
+                frozen: false,
+                report: Report::new(engine),
+            })
+        })?;
+        tessellator.set_level(level)?;
+        Ok(tessellator)
+    }
+
+    /// Other room, in new buffers. Control points stay; the frame before is forgotten.
+    ///
+    /// # Errors
+    /// As for [`Tessellator::new`]; then the old room is still there.
+    pub fn set_capacity(&mut self, capacity: &Capacity) -> Result<(), Error> {
+        let engine = self.engine.clone();
+        engine.checked("making room for a tessellation", || {
+            let zeros = vec![[0.0; 4]; self.points];
+            let input = Input {
+                nets: &zeros,
+                topology: self.topology.words(),
+                table: self.table.as_ref().map_or(&[0], |t| t.words()),
+                start: &self.start,
+                format: &self.what.options.format,
+            };
+            let buffers = Buffers::new(&engine, &input, capacity)?;
+            let label = wgpu::CommandEncoderDescriptor { label: Some("burgeon new room") };
+            let mut encoder = engine.device.create_command_encoder(&label);
+            let old = &self.buffers;
+            for (from, to) in [(&old.nets, &buffers.nets), (&old.target, &buffers.target)] {
+                encoder.copy_buffer_to_buffer(from, 0, to, 0, from.size());
+            }
+            engine.queue.submit([encoder.finish()]);
+            self.groups = [0, 1].map(|now| self.kernels.groups(&engine, &buffers, now));
+            self.buffers = buffers;
+            Ok(())
+        })
+    }
+
+    /// How fine the next frames are to be. Nothing is compiled or allocated.
+    ///
+    /// # Errors
+    /// [`Error::Level`] for numbers out of range.
+    pub fn set_level(&mut self, level: &Level) -> Result<(), Error> {
+        let target = level.target()?;
+        self.engine.queue.write_buffer(&self.buffers.target, 0, bytemuck::bytes_of(&target));
+        self.levels = (target.most.max(self.least) + 1).min(LEVELS);
+        Ok(())
+    }
+
+    /// Other control points, those of one root after the other as the nets had them, of patches that meet
+    /// as before. They may as well be written on the device, to [`Tessellator::points`].
+    ///
+    /// # Errors
+    /// [`Error::Points`] when they are not as many as before.
+    pub fn set_points(&self, points: &[[f32; 4]]) -> Result<(), Error> {
+        if points.len() != self.points {
+            return Err(Error::Points { found: points.len(), expected: self.points });
+        }
+        self.engine.queue.write_buffer(&self.buffers.nets, 0, bytemuck::cast_slice(points));
+        Ok(())
+    }
+
+    /// While frozen the triangles stay what they are, wherever the camera goes; only their vertices are
+    /// computed anew.
+    pub fn freeze(&mut self, frozen: bool) {
+        self.frozen = frozen;
+    }
+
+    /// Records a frame: no submission, no wait, no buffer made.
+    pub fn encode(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some("burgeon tessellation"),
+                timestamp_writes: None,
+            });
+            self.record(&mut pass);
+        }
+        self.report.encode(encoder, &self.buffers.status);
+    }
+
+    fn record(&mut self, pass: &mut wgpu::ComputePass) {
+        if self.frozen {
+            // The children that stand are those of the frame before.
+            let g = &self.groups[1 - self.turn];
+            return self.one(pass, Pass::Vertices, &g.vertices, ALL, Workgroups::Last);
+        }
+        let g = &self.groups[self.turn];
+        for level in 0..self.levels {
+            self.one(pass, Pass::Decide, &g.decide, level, Workgroups::Nodes);
+            self.scan(pass, &g.scan[0], level);
+            self.one(pass, Pass::Split, &g.split, level, Workgroups::Nodes);
+            self.one(pass, Pass::Advance, &g.advance, level, Workgroups::One);
+        }
+        self.one(pass, Pass::Mark, &g.mark, ALL, Workgroups::Nodes);
+        self.one(pass, Pass::Tally, &g.tally, ALL, Workgroups::Nodes);
+        self.scan(pass, &g.scan[0], ALL);
+        self.scan(pass, &g.scan[1], ALL);
+        self.one(pass, Pass::Finish, &g.finish, ALL, Workgroups::One);
+        self.one(pass, Pass::Vertices, &g.vertices, ALL, Workgroups::Last);
+        self.one(pass, Pass::Triangles, &g.triangles, ALL, Workgroups::Last);
+        self.turn = 1 - self.turn;
+    }
+
+    fn one(
+        &self,
+        pass: &mut wgpu::ComputePass,
+        which: Pass,
+        group: &wgpu::BindGroup,
+        range: u32,
+        groups: Workgroups,
+    ) {
+        pass.set_pipeline(self.kernels.of(which));
+        pass.set_bind_group(0, group, &[range * SLOT as u32]);
+        match groups {
+            Workgroups::One => pass.dispatch_workgroups(1, 1, 1),
+            Workgroups::Nodes => pass
+                .dispatch_workgroups_indirect(&self.buffers.dispatches, u64::from(range) * DISPATCH_BYTES),
+            Workgroups::Last => pass.dispatch_workgroups_indirect(&self.buffers.last, 0),
+        }
+    }
+
+    fn scan(&self, pass: &mut wgpu::ComputePass, group: &wgpu::BindGroup, range: u32) {
+        let at = u64::from(range) * DISPATCH_BYTES + 16;
+        pass.set_bind_group(0, group, &[range * SLOT as u32]);
+        for (n, pipeline) in self.kernels.scan.pipelines.iter().enumerate() {
+            pass.set_pipeline(pipeline);
+            match n {
+                1 => pass.dispatch_workgroups(1, 1, 1),
+                _ => pass.dispatch_workgroups_indirect(&self.buffers.dispatches, at),
+            }
+        }
+    }
+
+    /// Has the driver compile what it compiles when a kernel first runs, with a frame that is thrown away.
+    pub fn warm_up(&mut self) {
+        let label = wgpu::CommandEncoderDescriptor { label: Some("burgeon warm-up") };
+        let mut encoder = self.engine.device.create_command_encoder(&label);
+        self.encode(&mut encoder);
+        self.engine.queue.submit([encoder.finish()]);
+    }
+
+    /// Control points, one root after the other, four floats each: storage, to be copied to.
+    pub fn points(&self) -> &wgpu::Buffer {
+        &self.buffers.nets
+    }
+    pub fn vertices(&self) -> &wgpu::Buffer {
+        &self.buffers.vertices
+    }
+    /// `u32`, three a triangle.
+    pub fn indices(&self) -> &wgpu::Buffer {
+        &self.buffers.indices
+    }
+    /// [`DrawArgs`].
+    pub fn draw_args(&self) -> &wgpu::Buffer {
+        &self.buffers.draw
+    }
+    /// For each triangle the node whose surface it is, `u32`.
+    pub fn cells(&self) -> &wgpu::Buffer {
+        &self.buffers.cells
+    }
+    /// The cells of all levels, [`Node`]s.
+    pub fn nodes(&self) -> &wgpu::Buffer {
+        &self.buffers.nodes
+    }
+    /// [`Status`], as the last frame that has run left it.
+    pub fn status_buffer(&self) -> &wgpu::Buffer {
+        &self.buffers.status
+    }
+    pub fn format(&self) -> &Format {
+        &self.what.options.format
+    }
+    pub fn topology(&self) -> &Topology {
+        &self.topology
+    }
+
+    /// What the last frame said of which the host knows, some frames late; none before the first. It comes
+    /// when the device is polled, as a submission and a presented picture do.
+    pub fn status(&self) -> Option<Status> {
+        self.report.last()
+    }
+
+    /// Reads a frame that was submitted, and waits for it: for the command and for tests.
+    pub fn read(&self) -> Result<Frame, Error> {
+        let e = &self.engine;
+        let b = &self.buffers;
+        let doing = "reading a tessellation";
+        let status: Status = reading::read(e, doing, &b.status, size_of::<Status>() as u64)?[0];
+        let ranges: Vec<u32> = reading::read(e, doing, &b.ranges, b.ranges.size())?;
+        let draw: DrawArgs = reading::read(e, doing, &b.draw, size_of::<DrawArgs>() as u64)?[0];
+        let nodes = u64::from(ranges[(u64::from(ALL) * SLOT / 4) as usize]);
+        let indices = u64::from(draw.index_count);
+        let vertices = match status.skipped {
+            0 => u64::from(status.vertices) * self.format().stride(),
+            _ => b.vertices.size(),
+        };
+        let (section, now) = (b.section_bytes() as usize / 4, 1 - self.turn);
+        let offsets: Vec<u32> = reading::read(e, doing, &b.offsets, b.offsets.size())?;
+        let vertices = if self.format().separate { b.vertices.size() } else { vertices };
+        Ok(Frame {
+            status,
+            draw,
+            nodes: reading::read(e, doing, &b.nodes, nodes * 16)?,
+            children: reading::read(e, doing, &b.children[now], nodes * 4)?,
+            marks: reading::read(e, doing, &b.marks, nodes * 4)?,
+            offsets: offsets[..=nodes as usize].to_vec(),
+            triangle_offsets: offsets[section..=section + nodes as usize].to_vec(),
+            vertices: reading::read(e, doing, &b.vertices, vertices.min(b.vertices.size()))?,
+            indices: reading::read(e, doing, &b.indices, indices * 4)?,
+            cells: reading::read(e, doing, &b.cells, indices / 3 * 4)?,
+        })
+    }
+}
+
+/// Workgroups of a dispatch.
+#[derive(Clone, Copy)]
+enum Workgroups {
+    One,
+    Nodes,
+    Last,
+}
+
+/// A frame, read back.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    pub status: Status,
+    pub draw: DrawArgs,
+    pub nodes: Vec<Node>,
+    pub children: Vec<u32>,
+    pub marks: Vec<u32>,
+    pub offsets: Vec<u32>,
+    pub triangle_offsets: Vec<u32>,
+    pub vertices: Vec<u32>,
+    pub indices: Vec<u32>,
+    pub cells: Vec<u32>,
+}

@@ -1,0 +1,46 @@
+//! A system whose erased cells stay in the word, as modules of a symbol of their own.
+//!
+//! A tessellation wants to know where a surface ends: the leaves of a word with its holes cover
+//! each root once. No rule names the symbol, so such a module is never rewritten, and all others are what
+//! they are without it, to the bit and the random number.
+
+use crate::language::system::{Block, Cell, Module, Rule, Successor, Symbol, System};
+
+/// The name of the symbol.
+pub const HOLE: &str = "ε";
+
+/// The system with its holes kept, and their symbol.
+pub fn kept(system: &System) -> (System, usize) {
+    let mut system = system.clone();
+    let hole = system.symbols.len();
+    let span = system.source.name.span;
+    system.symbols.push(Symbol { name: HOLE.to_string(), fields: Vec::new(), span });
+    for rule in system.groups.iter_mut().flat_map(|group| &mut group.rules) {
+        keep(rule, hole);
+    }
+    (system, hole)
+}
+
+fn keep(rule: &mut Rule, hole: usize) {
+    for alternative in &mut rule.alternatives {
+        let module = || Module { symbol: hole, args: Vec::new(), span: alternative.span };
+        match &mut alternative.successor {
+            erased @ Successor::Erase => *erased = Successor::Relabel(module()),
+            Successor::Split(block) => keep_in(block, hole),
+            Successor::Relabel(_) | Successor::Modules(_) => {}
+        }
+    }
+}
+
+fn keep_in(block: &mut Block, hole: usize) {
+    let span = block.span;
+    for cell in &mut block.cells {
+        match cell {
+            erased @ Cell::Eps => {
+                *erased = Cell::Module(Module { symbol: hole, args: Vec::new(), span });
+            }
+            Cell::Block(inner) => keep_in(inner, hole),
+            Cell::Module(_) => {}
+        }
+    }
+}

@@ -1,0 +1,55 @@
+// How far the triangles of a cell with the control points `net` can be from its surface:
+// tessellate/bound.rs.
+
+const ROUNDING = 1e-6;
+
+fn difference_size(d: vec4f, middle: vec3f, r: f32) -> f32 {
+  return length_of(d.xyz - middle * d.w) + r * abs(d.w);
+}
+
+fn error_bound(projective: bool) -> f32 {
+  var low = vec3f(3.4e38);
+  var high = vec3f(-3.4e38);
+  var least = 3.4e38;
+  var far = 0.0;
+  for (var k = 0u; k < POINTS; k++) {
+    let p = net[k];
+    if projective {
+      low = min(low, p.xyz / p.w);
+      high = max(high, p.xyz / p.w);
+      least = min(least, p.w);
+    }
+    let a = abs(p.xyz);
+    far = max(far, max(a.x, max(a.y, a.z)));
+  }
+  var middle = vec3f(0.0);
+  var r = 0.0;
+  if projective {
+    middle = (low + high) * 0.5;
+    r = length_of((high - low) * 0.5);
+  }
+  var xx = 0.0;
+  var xy = 0.0;
+  var yy = 0.0;
+  for (var i = 0u; i < ROWS; i++) {
+    for (var j = 0u; j < COLUMNS; j++) {
+      let k = i * COLUMNS + j;
+      if i + 2u < ROWS {
+        let d = (net[k + 2u * COLUMNS] + net[k]) - 2.0 * net[k + COLUMNS];
+        xx = max(xx, difference_size(d, middle, r));
+      }
+      if i + 1u < ROWS && j + 1u < COLUMNS {
+        let d = (net[k] + net[k + COLUMNS + 1u]) - (net[k + 1u] + net[k + COLUMNS]);
+        xy = max(xy, difference_size(d, middle, r));
+      }
+      if j + 2u < COLUMNS {
+        let d = (net[k + 2u] + net[k]) - 2.0 * net[k + 1u];
+        yy = max(yy, difference_size(d, middle, r));
+      }
+    }
+  }
+  let m = f32(ROWS) - 1.0;
+  let n = f32(COLUMNS) - 1.0;
+  let k = m * (m - 1.0) * xx + 2.0 * m * n * xy + n * (n - 1.0) * yy;
+  return (k * 0.125 + ROUNDING * far) / select(1.0, least, projective);
+}

@@ -1,0 +1,173 @@
+// Points of a root's surface: tessellate/surface.rs.
+
+struct Sample {
+  position: vec3f,
+  du: vec3f,
+  dv: vec3f,
+}
+
+// Bernstein weights and their derivatives.
+struct Basis {
+  w: array<f32, LINES>,
+  d: array<f32, LINES>,
+}
+
+fn bernstein(points: u32, t: f32) -> Basis {
+  let s = 1.0 - t;
+  var b: Basis;
+  b.w[0] = 1.0;
+  for (var n = 1u; n < LINES; n++) {
+    if n < points {
+      if n + 1u == points {
+        var before = 0.0;
+        for (var k = 0u; k < LINES; k++) {
+          if k < points {
+            b.d[k] = f32(n) * (before - b.w[k]);
+            before = b.w[k];
+          }
+        }
+      }
+      b.w[n] = t * b.w[n - 1u];
+      for (var k = LINES - 1u; k > 0u; k--) {
+        if k < n {
+          b.w[k] = s * b.w[k] + t * b.w[k - 1u];
+        }
+      }
+      b.w[0] *= s;
+    }
+  }
+  return b;
+}
+
+fn sample(uv: vec2f) -> Sample {
+  let u = bernstein(ROWS, uv.x);
+  let v = bernstein(COLUMNS, uv.y);
+  var point = vec4f(0.0);
+  var du = vec4f(0.0);
+  var dv = vec4f(0.0);
+  for (var c = 0u; c < COLUMNS; c++) {
+    var value = vec4f(0.0);
+    var slope = vec4f(0.0);
+    for (var r = 0u; r < ROWS; r++) {
+      let p = net[r * COLUMNS + c];
+      value += u.w[r] * p;
+      slope += u.d[r] * p;
+    }
+    point += v.w[c] * value;
+    du += v.w[c] * slope;
+    dv += v.d[c] * value;
+  }
+  let position = point.xyz / point.w;
+  return Sample(position, (du.xyz - position * du.w) / point.w, (dv.xyz - position * dv.w) / point.w);
+}
+
+// The point at t / FULL of a side, by midpoints alone: read either way it has the same bits.
+fn on_side(side: u32, at: u32) -> vec4f {
+  var first = 0u;
+  var each = 1u;
+  var count = COLUMNS;
+  if side == 1u {
+    first = (ROWS - 1u) * COLUMNS;
+  } else if side > 1u {
+    first = select(0u, COLUMNS - 1u, side == 3u);
+    each = COLUMNS;
+    count = ROWS;
+  }
+  var curve: array<vec4f, LINES>;
+  for (var k = 0u; k < LINES; k++) {
+    if k < count {
+      curve[k] = net[first + k * each];
+    }
+  }
+  if at == 0u {
+    return curve[0];
+  }
+  if at == FULL {
+    return curve[count - 1u];
+  }
+  // Halve, and keep the half where t lies; at last it is the point between the two.
+  var rest = at;
+  for (var halving = 0u; halving < LEVELS; halving++) {
+    rest *= 2u;
+    if rest >= FULL {
+      for (var level = 1u; level < LINES; level++) {
+        for (var k = 0u; k + 1u < LINES; k++) {
+          if k + level < count {
+            curve[k] = (curve[k] + curve[k + 1u]) * 0.5;
+          }
+        }
+      }
+    } else {
+      for (var level = 1u; level < LINES; level++) {
+        for (var k = LINES - 1u; k > 0u; k--) {
+          if k < count && k >= level {
+            curve[k] = (curve[k] + curve[k - 1u]) * 0.5;
+          }
+        }
+      }
+    }
+    if rest == FULL {
+      break;
+    }
+    rest = select(rest, rest - FULL, rest > FULL);
+  }
+  return curve[0];
+}
+
+fn position_at(p: vec2u, inside: vec3f) -> vec3f {
+  let x = side_at(p.x, 0u);
+  let y = side_at(p.y, 1u);
+  var position = inside;
+  if x != NOWHERE {
+    let h = on_side(x, p.y);
+    position = h.xyz / h.w;
+  } else if y != NOWHERE {
+    let h = on_side(y, p.x);
+    position = h.xyz / h.w;
+  }
+  // +0 for -0.
+  return position + vec3f(0.0);
+}
+
+const NOISE = 4e-6;
+
+struct Normal {
+  normal: vec3f,
+  sample: Sample,
+}
+
+// The unit normal, of a point a little towards the middle where the product is nothing but rounding.
+fn normal_at(p: vec2u) -> Normal {
+  var far = 0.0;
+  for (var k = 0u; k < POINTS; k++) {
+    let a = abs(net[k].xyz / net[k].w);
+    far = max(far, max(a.x, max(a.y, a.z)));
+  }
+  let noise = NOISE * far;
+  let at = vec2f(p) / f32(FULL);
+  var result: Normal;
+  result.normal = vec3f(0.0, 0.0, 1.0);
+  for (var attempt = 0u; attempt < 3u; attempt++) {
+    var nudge = 0.0;
+    if attempt == 1u {
+      nudge = 1.0 / 1024.0;
+    } else if attempt == 2u {
+      nudge = 1.0 / 32.0;
+    }
+    let s = sample(at + (vec2f(0.5) - at) * nudge);
+    if attempt == 0u {
+      result.sample = s;
+    }
+    let n = vec3f(
+      s.du.y * s.dv.z - s.du.z * s.dv.y,
+      s.du.z * s.dv.x - s.du.x * s.dv.z,
+      s.du.x * s.dv.y - s.du.y * s.dv.x,
+    );
+    let size = length_of(n);
+    if size > noise * length_of(s.du) + noise * length_of(s.dv) {
+      result.normal = n / size;
+      break;
+    }
+  }
+  return result;
+}

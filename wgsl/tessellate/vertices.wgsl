@@ -1,0 +1,231 @@
+// Each vertex once, by the leaf that owns it: first those at its corners, in order, then its centre, then
+// those that its triangles bring.
+//
+// An invocation a leaf. A vertex of 32 bytes takes a root's control points, which caches hold, and about 350
+// flops: bound by arithmetic on drivers that run on the CPU, by bandwidth on GPUs.
+
+import lattice;
+import topology;
+import tree;
+import control;
+import surface;
+
+// tessellate/vertex.rs
+struct Outputs {
+  middle: vec4f,
+  extent: vec4f,
+  // For each attribute the word where it begins, or NOWHERE, and the words from vertex to vertex.
+  position: vec2u,
+  normal: vec2u,
+  tangent: vec2u,
+  uv: vec2u,
+  source: vec2u,
+  reserved: vec2u,
+}
+
+@group(0) @binding(0) var<uniform> range: Range;
+@group(0) @binding(1) var<uniform> outputs: Outputs;
+@group(0) @binding(2) var<storage, read> topology: array<u32>;
+@group(0) @binding(3) var<storage, read> nets: array<vec4f>;
+@group(0) @binding(4) var<storage, read> nodes: array<vec4u>;
+@group(0) @binding(5) var<storage, read> children: array<u32>;
+@group(0) @binding(6) var<storage, read> table: array<u32>;
+@group(0) @binding(7) var<storage, read> marks: array<u32>;
+@group(0) @binding(8) var<storage, read> offsets: array<u32>;
+@group(0) @binding(9) var<storage, read_write> vertices: array<u32>;
+
+fn put(at: u32, value: f32) {
+  vertices[at] = bitcast<u32>(value);
+}
+
+fn snorm16(v: vec2f) -> u32 {
+  let s = vec2i(floor(clamp(v, vec2f(-1.0), vec2f(1.0)) * 32767.0 + vec2f(0.5)));
+  return (u32(s.x) & 0xffffu) | (u32(s.y) << 16u);
+}
+
+fn snorm8(v: vec4f) -> u32 {
+  let s = vec4u(vec4i(floor(clamp(v, vec4f(-1.0), vec4f(1.0)) * 127.0 + vec4f(0.5)))) & vec4u(0xffu);
+  return s.x | (s.y << 8u) | (s.z << 16u) | (s.w << 24u);
+}
+
+fn octahedral(n: vec3f) -> vec2f {
+  let p = n.xy / ((abs(n.x) + abs(n.y)) + abs(n.z));
+  if n.z >= 0.0 {
+    return p;
+  }
+  return (vec2f(1.0) - abs(p.yx)) * select(vec2f(-1.0), vec2f(1.0), p >= vec2f(0.0));
+}
+
+// The unit normal of the file's patch.
+fn facing(root: u32, p: vec2u) -> vec3f {
+  load_net(root);
+  let n = normal_at(p).normal;
+  return select(n, -n, mirrors(root));
+}
+
+fn towards(n: vec3f, other: vec3f) -> vec3f {
+  return select(other, -other, product_of(other, n) < 0.0);
+}
+
+// The mean of the normals of all patches that share the vertex, each turned to the side of the first.
+fn shared_normal(root: u32, p: vec2u, own: vec3f) -> vec3f {
+  let a = around(root, p);
+  if a.kind == INNER {
+    return own;
+  }
+  var sum = own;
+  let entries = entry_count(a.record);
+  if a.kind == CURVE {
+    for (var k = 0u; k < entries; k++) {
+      let entry = entry_at(a.record, k);
+      let r = entry >> 3u;
+      let side = (entry >> 1u) & 3u;
+      if r != root || side != a.side {
+        let t = turned(a.t, (entry & 1u) != 0u);
+        let end = (side & 1u) * FULL;
+        let q = select(vec2u(t, end), vec2u(end, t), side < 2u);
+        sum += towards(own, facing(r, q));
+      }
+    }
+  } else {
+    let x = side_at(p.x, 0u);
+    let y = side_at(p.y, 1u);
+    var corner = (x & 1u) | ((y & 1u) << 1u);
+    if x == NOWHERE || y == NOWHERE {
+      corner = side_corner(a.side, 0u);
+    }
+    for (var k = 0u; k < entries; k++) {
+      let entry = entry_at(a.record, k);
+      if entry != ((root << 2u) | corner) {
+        sum += towards(own, facing(entry >> 2u, vec2u(entry & 1u, (entry >> 1u) & 1u) * FULL));
+      }
+    }
+  }
+  let size = length_of(sum);
+  if size > 0.0 {
+    return sum / size;
+  }
+  return own;
+}
+
+// Some unit vector at right angles to a unit vector.
+fn at_right_angles(n: vec3f) -> vec3f {
+  let other = select(vec3f(0.0, 1.0, 0.0), vec3f(1.0, 0.0, 0.0), abs(n.x) < 0.5);
+  let v = vec3f(n.y * other.z - n.z * other.y, n.z * other.x - n.x * other.z, n.x * other.y - n.y * other.x);
+  return v / length_of(v);
+}
+
+fn write_vertex(v: u32, root: u32, p: vec2u, symbol: u32) {
+  let orientation = orientation_of(root);
+  load_net(root);
+  let found = normal_at(p);
+  let position = position_at(p, found.sample.position);
+  let at = outputs.position.x + v * outputs.position.y;
+  if POSITION_SNORM {
+    let share = (position - outputs.middle.xyz) / outputs.extent.xyz;
+    vertices[at] = snorm16(share.xy);
+    vertices[at + 1u] = snorm16(vec2f(share.z, 1.0));
+  } else {
+    put(at, position.x);
+    put(at + 1u, position.y);
+    put(at + 2u, position.z);
+  }
+  if NORMAL != 0u || TANGENT != 0u {
+    var normal = select(found.normal, -found.normal, mirrors(root));
+    if SHARED {
+      normal = shared_normal(root, p, normal);
+    }
+    let at = outputs.normal.x + v * outputs.normal.y;
+    if NORMAL == 1u {
+      put(at, normal.x);
+      put(at + 1u, normal.y);
+      put(at + 2u, normal.z);
+    } else if NORMAL == 2u {
+      vertices[at] = snorm16(octahedral(normal));
+    }
+    if TANGENT != 0u {
+      var u = select(found.sample.du, found.sample.dv, (orientation & 4u) != 0u);
+      u = select(u, -u, (orientation & 1u) != 0u);
+      var tangent = u - normal * product_of(normal, u);
+      let size = length_of(tangent);
+      if size > 0.0 {
+        tangent = tangent / size;
+      } else {
+        tangent = at_right_angles(normal);
+      }
+      let at = outputs.tangent.x + v * outputs.tangent.y;
+      if TANGENT == 1u {
+        put(at, tangent.x);
+        put(at + 1u, tangent.y);
+        put(at + 2u, tangent.z);
+        put(at + 3u, 1.0);
+      } else {
+        vertices[at] = snorm8(vec4f(tangent, 1.0));
+      }
+    }
+  }
+  if UV != 0u {
+    var q = select(p, p.yx, (orientation & 4u) != 0u);
+    q.x = turned(q.x, (orientation & 1u) != 0u);
+    q.y = turned(q.y, (orientation & 2u) != 0u);
+    let uv = vec2f(q) / f32(FULL);
+    let at = outputs.uv.x + v * outputs.uv.y;
+    if UV == 1u {
+      put(at, uv.x);
+      put(at + 1u, uv.y);
+    } else {
+      let s = vec2u(floor(clamp(uv, vec2f(0.0), vec2f(1.0)) * 65535.0 + vec2f(0.5)));
+      vertices[at] = s.x | (s.y << 16u);
+    }
+  }
+  if SOURCE {
+    let at = outputs.source.x + v * outputs.source.y;
+    vertices[at] = root;
+    vertices[at + 1u] = symbol;
+  }
+}
+
+fn symbol_of(n: vec4u) -> u32 {
+  return (n.y >> 16u) & 0x7fffu;
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn vertices_of(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+  let i = linear(id, groups);
+  if i >= range.count || children[i] != LEAF {
+    return;
+  }
+  let n = nodes[i];
+  let mark = marks[i];
+  var at = offsets[i];
+  // The corners in order, then the centre.
+  for (var c = 0u; c < 5u; c++) {
+    if ((mark >> (OWNS + c)) & 1u) != 0u {
+      var p = centre_of(n);
+      if c < 4u {
+        p = corner_of(n, c);
+      }
+      write_vertex(at, n.x, p, symbol_of(n));
+      at += 1u;
+    }
+  }
+  if SHARED {
+    return;
+  }
+  let depth = depth_of(n);
+  for (var side = 0u; side < 4u; side++) {
+    let count = across_count(n, side);
+    if on_border(n, side) && pushes(n, side, mark, count) {
+      for (var k = 0u; k < count; k++) {
+        let to = across(n, side, k);
+        if takes(to, depth[along(side)]) {
+          let ends = foreign(n, side, to);
+          let symbol = symbol_of(nodes[to.node]);
+          write_vertex(at, to.root, ends[0], symbol);
+          write_vertex(at + 1u, to.root, ends[1], symbol);
+          at += 2u;
+        }
+      }
+    }
+  }
+}
