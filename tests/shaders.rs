@@ -142,7 +142,7 @@ fn translate(shader: &Shader) -> Result<(), String> {
 }
 
 #[track_caller]
-fn assert_translates(shader: &Shader, of: &str) {
+pub fn assert_translates(shader: &Shader, of: &str) {
     if let Err(e) = translate(shader) {
         panic!("{} of {of} to {e}\n{}", shader.name, shader.source);
     }
@@ -163,7 +163,7 @@ fn every_kernel_of_every_written_system_translates_to_every_language() {
     }
 }
 
-fn pairs() -> impl Iterator<Item = [u8; 2]> {
+pub fn pairs() -> impl Iterator<Item = [u8; 2]> {
     (1..=8).flat_map(|m| (1..=8).map(move |n| [m, n]))
 }
 
@@ -286,6 +286,37 @@ fn bindings_are_the_columns_of_the_pass_in_order() {
     assert_eq!(emits, ["emit", "emit_by_point", "emit_by_line"]);
 }
 
+/// Neither more buffers nor more workgroup memory and invocations than every WebGPU device has, and no
+/// extension of the language.
+#[track_caller]
+pub fn assert_within_default_limits(shader: &Shader) {
+    let module = &shader.module;
+    let mut layouter = Layouter::default();
+    layouter.update(module.to_ctx()).expect("a layout");
+    let in_space = |wanted: fn(AddressSpace) -> bool| {
+        module
+            .global_variables
+            .iter()
+            .map(|(_, v)| v)
+            .filter(move |v| wanted(v.space))
+            .collect::<Vec<_>>()
+    };
+    let storage = in_space(|space| matches!(space, AddressSpace::Storage { .. }));
+    assert!(storage.len() <= STORAGE_BUFFERS, "{}: {} storage buffers", shader.name, storage.len());
+    let workgroup = in_space(|space| space == AddressSpace::WorkGroup);
+    let bytes: u32 = workgroup.iter().map(|v| layouter[v.ty].size.next_multiple_of(16)).sum();
+    assert!(bytes <= WORKGROUP_BYTES, "{}: {bytes} bytes of workgroup memory", shader.name);
+    assert!(!module.entry_points.is_empty(), "{}", shader.name);
+    for entry in &module.entry_points {
+        let [x, y, z] = entry.workgroup_size;
+        assert!(x * y * z <= INVOCATIONS && z <= 64, "{}: {:?}", shader.name, entry.workgroup_size);
+    }
+    assert!(module.overrides.is_empty(), "{}: `override` is not for every backend", shader.name);
+    for directive in ["enable ", "requires ", "diagnostic("] {
+        assert!(!shader.source.contains(directive), "{}: {directive}", shader.name);
+    }
+}
+
 #[test]
 fn no_kernel_asks_for_more_than_default_limits() {
     let every_degree =
@@ -294,37 +325,13 @@ fn no_kernel_asks_for_more_than_default_limits() {
     for (plan, tuning) in plans.iter().flat_map(|plan| TUNINGS.iter().map(move |tuning| (plan, tuning))) {
         let measures = codegen::measures(tuning).expect("copy and expand");
         for shader in shaders(plan, tuning).iter().chain(&measures) {
-            let module = &shader.module;
-            let mut layouter = Layouter::default();
-            layouter.update(module.to_ctx()).expect("a layout");
-            let in_space = |wanted: fn(AddressSpace) -> bool| {
-                module
-                    .global_variables
-                    .iter()
-                    .map(|(_, v)| v)
-                    .filter(move |v| wanted(v.space))
-                    .collect::<Vec<_>>()
-            };
-            let storage = in_space(|space| matches!(space, AddressSpace::Storage { .. }));
-            assert!(storage.len() <= STORAGE_BUFFERS, "{}: {} storage buffers", shader.name, storage.len());
-            let workgroup = in_space(|space| space == AddressSpace::WorkGroup);
-            let bytes: u32 = workgroup.iter().map(|v| layouter[v.ty].size.next_multiple_of(16)).sum();
-            assert!(bytes <= WORKGROUP_BYTES, "{}: {bytes} bytes of workgroup memory", shader.name);
-            assert!(!module.entry_points.is_empty(), "{}", shader.name);
-            for entry in &module.entry_points {
-                let [x, y, z] = entry.workgroup_size;
-                assert!(x * y * z <= INVOCATIONS && z <= 64, "{}: {:?}", shader.name, entry.workgroup_size);
-            }
-            assert!(module.overrides.is_empty(), "{}: `override` is not for every backend", shader.name);
-            for directive in ["enable ", "requires ", "diagnostic("] {
-                assert!(!shader.source.contains(directive), "{}: {directive}", shader.name);
-            }
+            assert_within_default_limits(shader);
         }
     }
 }
 
 /// Offsets and names of a struct's members, and its size.
-fn members(module: &Module, name: &str) -> Option<(Vec<(String, u32)>, u32)> {
+pub fn members(module: &Module, name: &str) -> Option<(Vec<(String, u32)>, u32)> {
     module.types.iter().find_map(|(_, ty)| match &ty.inner {
         TypeInner::Struct { members, span } if ty.name.as_deref() == Some(name) => {
             let list = members.iter().map(|m| (m.name.clone().unwrap_or_default(), m.offset)).collect();
@@ -461,7 +468,7 @@ fn an_error_in_a_file_names_the_file_and_the_line() {
         ),
     ] {
         let error = broken(Edit { file, find, replace });
-        assert_eq!(error.place, format!("wgsl/{file}.wgsl:{}", line_of(path, find)), "{error}");
+        assert_eq!(error.place, format!("{path}:{}", line_of(path, find)), "{error}");
         assert_eq!(error.rule, None, "{error}");
     }
 }

@@ -4,6 +4,7 @@
 #[cfg(feature = "gpu")]
 mod device;
 mod invariants;
+mod kernels;
 mod sets;
 
 use burgeon::cpu::tessellate::Tessellator;
@@ -12,7 +13,8 @@ use burgeon::cpu;
 use burgeon::language::{System, Value};
 use burgeon::patch::{Axiom, Net, Word};
 use burgeon::plan::{self, Plan};
-use burgeon::tessellate::{Level, Measure, Options};
+use burgeon::tessellate::passes::Corner;
+use burgeon::tessellate::{Camera, Level, Measure, Options, Topology};
 use invariants::{Checked, check};
 use proptest::prelude::*;
 use sets::{book, reoriented, scrambled, torus};
@@ -135,6 +137,140 @@ fn words_with_holes_are_watertight() {
     }
 }
 
+/// No sampled point of a triangle that the camera sees is farther from the surface in its picture than
+/// the tolerance, but where the depth ended.
+fn seen_within(t: &Tessellator, nets: &[Net], camera: &Camera, tolerance: f64, most: u32) {
+    let tree = t.tree();
+    let pixel = |p: [f64; 3]| {
+        let row = |k: usize| {
+            let c = camera.clip.map(|column| f64::from(column[k]));
+            c[0] * p[0] + c[1] * p[1] + c[2] * p[2] + c[3]
+        };
+        let (x, y, w) = (row(0), row(1), row(3));
+        let visible = w > f64::from(camera.near) && x.abs() <= w && y.abs() <= w;
+        visible.then(|| [x / w * f64::from(camera.size[0]) / 2.0, y / w * f64::from(camera.size[1]) / 2.0])
+    };
+    let mut seen = 0;
+    for node in (0..tree.nodes.len() as u32).filter(|&n| tree.is_leaf(n)) {
+        tree.triangles(node, t.trees().marks[node as usize], |triangle| {
+            let (corners, cell) = tree.corners(node, triangle);
+            let cell = &tree.nodes[cell as usize];
+            if cell.depth()[0] >= most {
+                return;
+            }
+            let orientation = t.topology().orientation(cell.root);
+            let uv = corners.map(|corner| match corner {
+                Corner::At { p, .. } => orientation.uv(p).map(f64::from),
+                Corner::Centre { node } => orientation.uv(tree.nodes[node as usize].centre()).map(f64::from),
+            });
+            let exact = |uv: [f64; 2]| {
+                nets[cell.root as usize].view().evaluate(uv[0], uv[1]).position.map(f64::from)
+            };
+            let corners = uv.map(exact);
+            for weights in [[1.0, 1.0, 1.0], [1.0, 1.0, 0.0], [0.0, 1.0, 1.0], [1.0, 0.0, 1.0]] {
+                let sum: f64 = weights.iter().sum();
+                let mix = |v: [f64; 3]| (0..3).map(|k| weights[k] * v[k]).sum::<f64>() / sum;
+                // In the picture, linear between the corners' pixels: those of the same parameter.
+                let Some(surface) = pixel(exact([0, 1].map(|k| mix(uv.map(|p| p[k]))))) else { continue };
+                let [Some(a), Some(b), Some(c)] = corners.map(pixel) else { continue };
+                seen += 1;
+                let nearest = nearest(surface, [a, b, c]);
+                assert!(nearest <= tolerance, "{nearest} pixels off in {cell:?}");
+            }
+        });
+    }
+    assert!(seen > 1000, "only {seen} points are seen");
+}
+
+/// The distance of a point from a triangle in the plane.
+fn nearest(p: [f64; 2], t: [[f64; 2]; 3]) -> f64 {
+    let cross = |a: [f64; 2], b: [f64; 2]| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
+    let sides = [cross(t[0], t[1]), cross(t[1], t[2]), cross(t[2], t[0])];
+    if sides.iter().all(|&s| s >= 0.0) || sides.iter().all(|&s| s <= 0.0) {
+        return 0.0;
+    }
+    let segment = |a: [f64; 2], b: [f64; 2]| {
+        let (d, e) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
+        let length = d[0] * d[0] + d[1] * d[1];
+        let t = if length > 0.0 { ((d[0] * e[0] + d[1] * e[1]) / length).clamp(0.0, 1.0) } else { 0.0 };
+        (e[0] - t * d[0]).hypot(e[1] - t * d[1])
+    };
+    segment(t[0], t[1]).min(segment(t[1], t[2])).min(segment(t[2], t[0]))
+}
+
+#[test]
+fn levels_that_cannot_be_are_refused() {
+    let refused = |level: Level| level.target().expect_err("a level that cannot be").to_string();
+    for tolerance in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+        assert!(refused(Level::world(tolerance)).contains("must be above 0"), "{tolerance}");
+    }
+    for depth in [3..=2, 0..=24, 30..=40] {
+        assert!(refused(Level { depth, ..Level::world(1.0) }).contains("no range within 0 to 23"));
+    }
+    for hysteresis in [-0.1, 1.0, f32::NAN] {
+        assert!(refused(Level { hysteresis, ..Level::world(1.0) }).contains("hysteresis"));
+    }
+    let camera = Camera { clip: [[1.0; 4]; 4], size: [100.0; 2], near: 0.1 };
+    for wrong in [
+        Camera { near: 0.0, ..camera },
+        Camera { near: -1.0, ..camera },
+        Camera { size: [0.0, 100.0], ..camera },
+        Camera { clip: [[f32::NAN; 4]; 4], ..camera },
+    ] {
+        assert!(refused(Level::pixels(1.0, wrong)).contains("near plane"), "{wrong:?}");
+    }
+}
+
+#[test]
+fn degenerate_patches_leave_no_degenerate_triangles() {
+    let mut nets = file("teapot.bpt", false);
+    nets.push(Net { degree: [3, 3], points: vec![[9.0, 9.0, 9.0, 1.0]; 16] });
+    // Two opposite sides that are points: nothing is left of an unsplit cell.
+    let lens = |i: usize, j: usize| {
+        let (u, v) = (i as f32, j as f32 - 1.5);
+        let wide = if i == 0 || i == 3 { 0.0 } else { 1.0 };
+        [u + 20.0, wide * v, wide, 1.0]
+    };
+    nets.push(Net { degree: [3, 3], points: (0..16).map(|k| lens(k / 4, k % 4)).collect() });
+    // Two neighbouring sides that are one point, each way; and all four, a bag.
+    for (low, high) in [(0, 0), (0, 3), (3, 0), (3, 3)] {
+        let fan = |i: usize, j: usize| match i == low || j == high {
+            true => [30.0 + 5.0 * (low + 2 * high) as f32, 0.0, 0.0, 1.0],
+            false => [30.0 + 5.0 * (low + 2 * high) as f32 + i as f32, j as f32, (i * j) as f32 * 0.3, 1.0],
+        };
+        nets.push(Net { degree: [3, 3], points: (0..16).map(|k| fan(k / 4, k % 4)).collect() });
+    }
+    let bag = |i: usize, j: usize| match (1..3).contains(&i) && (1..3).contains(&j) {
+        true => [80.0 + i as f32, j as f32, 4.0, 1.0],
+        false => [80.0, 0.0, 0.0, 1.0],
+    };
+    nets.push(Net { degree: [3, 3], points: (0..16).map(|k| bag(k / 4, k % 4)).collect() });
+    assert_eq!(Topology::new(&nets).report().void, 1);
+    for tolerance in [10.0, 0.05] {
+        checked(&nets, &Level::world(tolerance));
+    }
+}
+
+#[test]
+fn what_meets_in_part_is_reported() {
+    let flat = |i: usize, j: usize, [x, y]: [f32; 2], [w, h]: [f32; 2]| {
+        [x + w * i as f32 / 3.0, y + h * j as f32 / 3.0, 0.0, 1.0]
+    };
+    let patch = |low: [f32; 2], size: [f32; 2]| Net {
+        degree: [3, 3],
+        points: (0..16).map(|k| flat(k / 4, k % 4, low, size)).collect(),
+    };
+    // One wide patch and above it two of half its width; the points of a third of a side are no dyadic numbers.
+    let nets = [patch([0.0, 0.0], [6.0, 3.0]), patch([0.0, 3.0], [3.0, 3.0]), patch([3.0, 3.0], [3.0, 3.0])];
+    let topology = Topology::new(&nets);
+    let report = topology.report();
+    assert_eq!((report.inner, report.borders, report.corners), (1, 10, 8));
+    let mut partial = report.partial.clone();
+    partial.sort();
+    assert_eq!(partial.len(), 2);
+    assert!(partial.iter().all(|[long, _]| long.0 == 0) && partial[0][1].0 != partial[1][1].0);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 40, ..ProptestConfig::default() })]
 
@@ -149,19 +285,5 @@ proptest! {
         let tessellator = tessellated(&nets, &level, &Options::default());
         let found = check(&tessellator, &nets, None);
         prop_assert_eq!((found.characteristic, found.border_edges), (0, 0));
-    }
-}
-
-#[test]
-fn every_kernel_of_a_tessellation_is_valid() {
-    use burgeon::codegen::{Tessellation, Tuning, tessellation};
-    for degree in [[3, 3], [1, 1], [2, 5], [8, 8]] {
-        for (rational, word, seams) in [(false, false, false), (true, true, true)] {
-            let options = Options { seams, ..Options::default() };
-            let what = Tessellation { degree, rational, word, options };
-            for tuning in [Tuning::CPU_DRIVER, Tuning::GPU] {
-                tessellation(&what, &tuning).unwrap_or_else(|e| panic!("{what:?}: {e}"));
-            }
-        }
     }
 }

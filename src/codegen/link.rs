@@ -7,45 +7,55 @@ use super::generate::Text;
 use crate::language::Span;
 use std::borrow::Cow;
 
-/// Every file of `wgsl/`.
-const FILES: &[(&str, &str)] = &[
-    ("address", include_str!("../../wgsl/shared/address.wgsl")),
-    ("attributes", include_str!("../../wgsl/shared/attributes.wgsl")),
-    ("children", include_str!("../../wgsl/shared/children.wgsl")),
-    ("elementary", include_str!("../../wgsl/shared/elementary.wgsl")),
-    ("extent", include_str!("../../wgsl/shared/extent.wgsl")),
-    ("halving", include_str!("../../wgsl/shared/halving.wgsl")),
-    ("ops", include_str!("../../wgsl/shared/ops.wgsl")),
-    ("prefix", include_str!("../../wgsl/shared/prefix.wgsl")),
-    ("rows", include_str!("../../wgsl/shared/rows.wgsl")),
-    ("rules", include_str!("../../wgsl/shared/rules.wgsl")),
-    ("spine", include_str!("../../wgsl/shared/spine.wgsl")),
-    ("compact", include_str!("../../wgsl/compact.wgsl")),
-    ("copy", include_str!("../../wgsl/copy.wgsl")),
-    ("count", include_str!("../../wgsl/count.wgsl")),
-    ("emit", include_str!("../../wgsl/emit.wgsl")),
-    ("emit_by_line", include_str!("../../wgsl/emit_by_line.wgsl")),
-    ("emit_by_point", include_str!("../../wgsl/emit_by_point.wgsl")),
-    ("expand", include_str!("../../wgsl/expand.wgsl")),
-    ("match_modules", include_str!("../../wgsl/match_modules.wgsl")),
-    ("measure", include_str!("../../wgsl/measure.wgsl")),
-    ("retire", include_str!("../../wgsl/retire.wgsl")),
-    ("scan", include_str!("../../wgsl/scan.wgsl")),
-    ("advance", include_str!("../../wgsl/tessellate/advance.wgsl")),
-    ("decide", include_str!("../../wgsl/tessellate/decide.wgsl")),
-    ("finish", include_str!("../../wgsl/tessellate/finish.wgsl")),
-    ("mark", include_str!("../../wgsl/tessellate/mark.wgsl")),
-    ("split", include_str!("../../wgsl/tessellate/split.wgsl")),
-    ("tally", include_str!("../../wgsl/tessellate/tally.wgsl")),
-    ("triangles", include_str!("../../wgsl/tessellate/triangles.wgsl")),
-    ("vertices", include_str!("../../wgsl/tessellate/vertices.wgsl")),
-    ("bound", include_str!("../../wgsl/tessellate/shared/bound.wgsl")),
-    ("control", include_str!("../../wgsl/tessellate/shared/control.wgsl")),
-    ("lattice", include_str!("../../wgsl/tessellate/shared/lattice.wgsl")),
-    ("surface", include_str!("../../wgsl/tessellate/shared/surface.wgsl")),
-    ("topology", include_str!("../../wgsl/tessellate/shared/topology.wgsl")),
-    ("tree", include_str!("../../wgsl/tessellate/shared/tree.wgsl")),
+macro_rules! files {
+    ($($path:literal)*) => {
+        &[$(($path, include_str!(concat!("../../wgsl/", $path, ".wgsl")))),*]
+    };
+}
+
+/// Every file of `wgsl/`, by its path without the ending. Files are imported by the last part of it.
+const FILES: &[(&str, &str)] = files![
+    "shared/address"
+    "shared/attributes"
+    "shared/children"
+    "shared/elementary"
+    "shared/extent"
+    "shared/halving"
+    "shared/ops"
+    "shared/prefix"
+    "shared/rows"
+    "shared/rules"
+    "shared/spine"
+    "compact"
+    "copy"
+    "count"
+    "emit"
+    "emit_by_line"
+    "emit_by_point"
+    "expand"
+    "match_modules"
+    "measure"
+    "retire"
+    "scan"
+    "tessellate/advance"
+    "tessellate/decide"
+    "tessellate/finish"
+    "tessellate/mark"
+    "tessellate/split"
+    "tessellate/tally"
+    "tessellate/triangles"
+    "tessellate/vertices"
+    "tessellate/shared/bound"
+    "tessellate/shared/control"
+    "tessellate/shared/lattice"
+    "tessellate/shared/surface"
+    "tessellate/shared/topology"
+    "tessellate/shared/tree"
 ];
+
+fn name_of(path: &str) -> &str {
+    path.rsplit('/').next().unwrap_or(path)
+}
 
 /// A text that stands in place of another, once in a file of `wgsl/` or in each line of the
 /// [`GENERATED`] code: the tests break kernels on purpose with it.
@@ -73,7 +83,7 @@ fn edited<'t>(file: &str, text: &'t str, edit: Option<&Edit>) -> Cow<'t, str> {
 enum Origin {
     Constants,
     Generated(Option<Span>),
-    /// File and line, from 1.
+    /// File, without the ending, and line, from 1.
     File(&'static str, usize),
 }
 
@@ -102,17 +112,17 @@ impl Linked {
     }
 
     fn join(&mut self, name: &str, from: Origin, edit: Option<&Edit>, joined: &mut Vec<&'static str>) {
-        let Some(&(name, text)) = FILES.iter().find(|f| f.0 == name) else {
+        let Some(&(path, text)) = FILES.iter().find(|f| name_of(f.0) == name) else {
             // naga then refuses the line that asks for what is missing.
             return self.line(&format!("import {name};"), from);
         };
-        if joined.contains(&name) {
+        if joined.contains(&path) {
             return;
         }
-        joined.push(name);
-        let text = edited(name, text, edit);
+        joined.push(path);
+        let text = edited(name_of(path), text, edit);
         let import = |line: &str| Some(line.strip_prefix("import ")?.strip_suffix(';')?.to_string());
-        let lines = || text.lines().enumerate().map(|(n, line)| (line, Origin::File(name, n + 1)));
+        let lines = || text.lines().enumerate().map(|(n, line)| (line, Origin::File(path, n + 1)));
         for (line, origin) in lines() {
             if let Some(file) = import(line) {
                 self.join(&file, origin, edit, joined);
@@ -130,7 +140,7 @@ impl Linked {
         let Some(span) = span else { return ("the module as a whole".to_string(), None) };
         let line = span.location(&self.source).line_number as usize;
         match self.origins.get(line.saturating_sub(1)) {
-            Some(Origin::File(name, n)) => (format!("wgsl/{name}.wgsl:{n}"), None),
+            Some(Origin::File(path, n)) => (format!("wgsl/{path}.wgsl:{n}"), None),
             Some(Origin::Generated(span)) => (format!("generated line {line}"), *span),
             _ => (format!("line {line}"), None),
         }

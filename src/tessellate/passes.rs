@@ -157,8 +157,10 @@ impl Tree<'_> {
         let finer = |side: u32| marks >> side & 1 != 0;
         if !cell.is_hole() {
             if marks & FINER == 0 {
+                // Three of its corners are one point where two neighbouring sides are.
+                let nothing = (collapsed[0] || collapsed[1]) && (collapsed[2] || collapsed[3]);
                 for (k, sides) in QUAD_SIDES.iter().enumerate() {
-                    if !sides.iter().any(|&s| collapsed[s as usize]) {
+                    if !nothing && !sides.iter().any(|&s| collapsed[s as usize]) {
                         see(Triangle::Quad(k));
                     }
                 }

@@ -10,12 +10,12 @@
 //! |---|---|
 //! | 0 – 3 | for each side the record of its curve, or [`NOWHERE`] if it is collapsed to a point |
 //! | 4 – 7 | for each corner the record of its point |
-//! | 8 | orientation (bits 0–7), halvings that the root needs at least (8–15), whether each side runs against its curve (16–19) |
+//! | 8 | orientation (bits 0–7), halvings that the root needs at least (8–15), whether each side runs against its curve (16–19), whether the root is but a point (20) |
 //!
 //! A record is a count and as many entries: of a curve root · 8 + side · 2 + 1 if it runs against the
 //! curve's direction; of a point root · 4 + corner. Entries are in the order of the roots.
 
-use super::lattice::{FULL, NOWHERE, SIDE_CORNERS, along};
+use super::lattice::{FULL, NOWHERE, Node, SIDE_CORNERS, along};
 use super::orientation::{self, Orientation, bits};
 use crate::patch::Net;
 use std::collections::HashMap;
@@ -45,6 +45,8 @@ pub struct Report {
     pub crowded: usize,
     /// Sides that are a point.
     pub collapsed: usize,
+    /// Patches that are a point: nothing is made of them.
+    pub void: usize,
     /// Different points where corners lie.
     pub corners: usize,
     /// Borders that are half of another border, as (root, side) of both: the longer side first. Such
@@ -81,6 +83,17 @@ impl Topology {
 
     pub fn orientation(&self, root: u32) -> Orientation {
         orientation_of(&self.words, root)
+    }
+
+    /// Whether a root is but a point.
+    pub fn is_void(&self, root: u32) -> bool {
+        self.words[root as usize * ROOT_WORDS + 8] >> 20 & 1 != 0
+    }
+
+    /// Each root as one cell.
+    pub fn start(&self) -> Vec<Node> {
+        let root = |root| Node::new(root, [0; 2], [0; 2], 0, self.is_void(root));
+        (0..self.roots as u32).map(root).collect()
     }
 }
 
@@ -140,6 +153,8 @@ struct Row {
     /// Whether each side runs against its curve, by bits.
     reversed: u32,
     points: [usize; 4],
+    /// All control points lie in one place.
+    void: bool,
 }
 
 #[derive(Default)]
@@ -162,7 +177,8 @@ impl Build {
         let [m, n] = net.degree.map(usize::from);
         let at = |i: usize, j: usize| points[i * (n + 1) + j];
         let corners = [at(0, 0), at(m, 0), at(0, n), at(m, n)];
-        let mut row = Row { orientation, curves: [None; 4], reversed: 0, points: [0; 4] };
+        let void = points.iter().all(|&p| position(p) == position(points[0]));
+        let mut row = Row { orientation, curves: [None; 4], reversed: 0, points: [0; 4], void };
         for (corner, point) in corners.into_iter().enumerate() {
             let known = self.points.len();
             let id = *self.point_by_key.entry(position(point)).or_insert(known);
@@ -209,7 +225,7 @@ impl Build {
                 out[side] = row.curves[side].map_or(NOWHERE, |id| curves[id]);
                 out[4 + side] = points[row.points[side]];
             }
-            out[8] = u32::from(row.orientation.0) | depth << 8 | row.reversed << 16;
+            out[8] = u32::from(row.orientation.0) | depth << 8 | row.reversed << 16 | u32::from(row.void) << 20;
         }
         let with = |few: fn(usize) -> bool| self.curves.iter().filter(|c| few(c.len())).count();
         let report = Report {
@@ -217,6 +233,7 @@ impl Build {
             inner: with(|n| n == 2),
             crowded: with(|n| n > 2),
             collapsed: self.collapsed,
+            void: self.rows.iter().filter(|row| row.void).count(),
             corners: self.points.len(),
             partial: self.partial(),
         };
@@ -257,7 +274,12 @@ impl Build {
             _ if ends[0] == ends[1] || doubled.contains(&sorted(ends)) => 1,
             _ => 0,
         };
-        let of_root = |(root, row)| edges(root, row).into_iter().map(need).max().unwrap_or(0);
+        // With two sides that are points an unsplit cell has no triangle, with four none at depth 1.
+        let of_sides = |row: &Row| (row.curves.iter().filter(|c| c.is_none()).count() / 2) as u32;
+        let of_root = |(root, row): (usize, &Row)| {
+            let of_edges = edges(root, row).into_iter().map(need).max().unwrap_or(0);
+            if row.void { 0 } else { of_edges.max(of_sides(row)) }
+        };
         self.rows.iter().enumerate().map(of_root).collect()
     }
 

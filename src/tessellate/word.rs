@@ -58,9 +58,9 @@ pub fn nodes(word: &Word, topology: &Topology, hole: Option<usize>) -> Result<Ve
             return Err(Error::TooDeep { module, halvings });
         }
         *covered += 1 << (2 * LEVELS - depth[0] - depth[1]);
-        let (depth, [i, j]) =
-            topology.orientation(m.root).cell_from_file(depth, [m.cell.i, m.cell.j]);
-        list.push(Node::new(m.root, depth, [i, j], m.symbol as u32, hole == Some(m.symbol)));
+        let (depth, cell) = topology.orientation(m.root).cell_from_file(depth, [m.cell.i, m.cell.j]);
+        let erased = hole == Some(m.symbol) || topology.is_void(m.root);
+        list.push(Node::new(m.root, depth, cell, m.symbol as u32, erased));
     }
     match covered.iter().position(|&area| area != 1 << (2 * LEVELS)) {
         Some(root) => Err(Error::Cover { root: root as u32 }),

@@ -60,11 +60,28 @@ impl Check<'_> {
                 return (Line::Curve(curve), ends);
             }
             ends.sort();
+            // A leaf with two neighbouring sides that are one point is but an edge, seen from both of the others.
+            for d in [0, 1] {
+                let mut place = [ends[0]; 2];
+                place[constant] = p[constant] - d;
+                let leaf = self.covering(root, place);
+                let collapsed = |side: u32| self.collapsed(leaf, side);
+                if (collapsed(0) || collapsed(1)) && (collapsed(2) || collapsed(3)) {
+                    return (Line::Inside(root, [leaf.low(), leaf.corner(3)]), [0, 1]);
+                }
+            }
             return (Line::Inner(root, constant, p[constant]), ends);
         }
         let mut ends = [p, q];
         ends.sort();
         (Line::Inside(root, ends), [0, 1])
+    }
+
+    /// Whether a side of a leaf lies on a side of its root that is one point.
+    fn collapsed(&self, leaf: &Node, side: u32) -> bool {
+        let border = leaf.corner([0, 1, 0, 2][side as usize])[usize::from(side >= 2)];
+        side_at(border, usize::from(side >= 2)) == Some(side)
+            && curve_of(self.words, leaf.root, side) == NOWHERE
     }
 
     fn straight(&self, root: u32, mut p: [u32; 2], q: [u32; 2]) -> [u32; 2] {
@@ -187,11 +204,7 @@ pub fn check(t: &Tessellator, nets: &[Net], tolerance: Option<f32>) -> Checked {
         }
         let size = node.size();
         let whole = 2 * u64::from(size[0]) * u64::from(size[1]);
-        let touches = (0..4).any(|side| {
-            let border = node.corner([0, 1, 0, 2][side])[usize::from(side >= 2)];
-            side_at(border, usize::from(side >= 2)) == Some(side as u32)
-                && curve_of(words, node.root, side as u32) == NOWHERE
-        });
+        let touches = (0..4).any(|side| check.collapsed(node, side));
         let covered = areas.get(&(n as u32)).copied().unwrap_or(0);
         assert!(covered == whole || touches && covered < whole, "{node:?}: {covered} of {whole}");
     }

@@ -55,9 +55,7 @@ fn tally(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
   var vertices = 0u;
   if !is_hole(n) {
     if (mark & FINER) == 0u {
-      // The first of two triangles has sides 2 and 1, the second 3 and 0.
-      triangles += select(1u, 0u, collapsed(n, 2u) || collapsed(n, 1u));
-      triangles += select(1u, 0u, collapsed(n, 3u) || collapsed(n, 0u));
+      triangles += countOneBits(halves_of(n));
     } else {
       mark |= FAN;
       vertices += 1u;

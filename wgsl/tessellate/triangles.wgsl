@@ -54,11 +54,12 @@ fn triangles(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) 
       corner[c] = vertex_at(n.x, corner_of(n, c));
     }
     if (mark & FINER) == 0u {
-      if !(collapsed(n, 2u) || collapsed(n, 1u)) {
+      let halves = halves_of(n);
+      if (halves & 1u) != 0u {
         write(at, corner[0], corner[1], corner[3], i);
         at += 1u;
       }
-      if !(collapsed(n, 3u) || collapsed(n, 0u)) {
+      if (halves & 2u) != 0u {
         write(at, corner[0], corner[3], corner[2], i);
         at += 1u;
       }

@@ -32,10 +32,10 @@ struct Outputs {
 @group(0) @binding(6) var<storage, read> table: array<u32>;
 @group(0) @binding(7) var<storage, read> marks: array<u32>;
 @group(0) @binding(8) var<storage, read> offsets: array<u32>;
-@group(0) @binding(9) var<storage, read_write> vertices: array<u32>;
+@group(0) @binding(9) var<storage, read_write> vertex_words: array<u32>;
 
 fn put(at: u32, value: f32) {
-  vertices[at] = bitcast<u32>(value);
+  vertex_words[at] = bitcast<u32>(value);
 }
 
 fn snorm16(v: vec2f) -> u32 {
@@ -123,8 +123,8 @@ fn write_vertex(v: u32, root: u32, p: vec2u, symbol: u32) {
   let at = outputs.position.x + v * outputs.position.y;
   if POSITION_SNORM {
     let share = (position - outputs.middle.xyz) / outputs.extent.xyz;
-    vertices[at] = snorm16(share.xy);
-    vertices[at + 1u] = snorm16(vec2f(share.z, 1.0));
+    vertex_words[at] = snorm16(share.xy);
+    vertex_words[at + 1u] = snorm16(vec2f(share.z, 1.0));
   } else {
     put(at, position.x);
     put(at + 1u, position.y);
@@ -141,7 +141,7 @@ fn write_vertex(v: u32, root: u32, p: vec2u, symbol: u32) {
       put(at + 1u, normal.y);
       put(at + 2u, normal.z);
     } else if NORMAL == 2u {
-      vertices[at] = snorm16(octahedral(normal));
+      vertex_words[at] = snorm16(octahedral(normal));
     }
     if TANGENT != 0u {
       var u = select(found.sample.du, found.sample.dv, (orientation & 4u) != 0u);
@@ -160,7 +160,7 @@ fn write_vertex(v: u32, root: u32, p: vec2u, symbol: u32) {
         put(at + 2u, tangent.z);
         put(at + 3u, 1.0);
       } else {
-        vertices[at] = snorm8(vec4f(tangent, 1.0));
+        vertex_words[at] = snorm8(vec4f(tangent, 1.0));
       }
     }
   }
@@ -175,13 +175,13 @@ fn write_vertex(v: u32, root: u32, p: vec2u, symbol: u32) {
       put(at + 1u, uv.y);
     } else {
       let s = vec2u(floor(clamp(uv, vec2f(0.0), vec2f(1.0)) * 65535.0 + vec2f(0.5)));
-      vertices[at] = s.x | (s.y << 16u);
+      vertex_words[at] = s.x | (s.y << 16u);
     }
   }
   if SOURCE {
     let at = outputs.source.x + v * outputs.source.y;
-    vertices[at] = root;
-    vertices[at + 1u] = symbol;
+    vertex_words[at] = root;
+    vertex_words[at + 1u] = symbol;
   }
 }
 
@@ -190,7 +190,7 @@ fn symbol_of(n: vec4u) -> u32 {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn vertices_of(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+fn vertices(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
   let i = linear(id, groups);
   if i >= range.count || children[i] != LEAF {
     return;

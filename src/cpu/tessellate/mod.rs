@@ -76,7 +76,7 @@ impl Tessellator {
     /// For these nets, which have the same degrees; each begins as one cell.
     pub fn new(nets: &[Net], options: &Options) -> Tessellator {
         let topology = Topology::new(nets);
-        let start = (0..nets.len() as u32).map(|root| Node { root, ..Node::default() }).collect();
+        let start = topology.start();
         Tessellator::with_start(nets, topology, start, options)
     }
 

@@ -54,7 +54,7 @@ impl Kernels {
             vertices: kernel(
                 &s.vertices,
                 &[Slot, Uniform, Read, Read, Read, Read, Read, Read, Read, Written],
-                &["vertices_of"],
+                &["vertices"],
             ),
             triangles: kernel(
                 &s.triangles,

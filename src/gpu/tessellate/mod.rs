@@ -13,6 +13,7 @@ use super::{Engine, Error};
 use crate::codegen::Tessellation;
 use crate::patch::{Net, Word};
 use crate::tessellate::lattice::Node;
+use crate::tessellate::level::Target;
 use crate::tessellate::passes::{DrawArgs, Status};
 use crate::tessellate::vertex::Format;
 use crate::tessellate::word::{self, Table};
@@ -60,6 +61,7 @@ pub struct Tessellator {
     points: usize,
     start: Vec<Node>,
     table: Option<Table>,
+    target: Target,
     /// Levels that a frame may split.
     levels: u32,
     /// Halvings that some root needs.
@@ -81,7 +83,7 @@ impl Tessellator {
         capacity: &Capacity,
     ) -> Result<Tessellator, Error> {
         let topology = Topology::new(nets);
-        let start = (0..nets.len() as u32).map(|root| Node { root, ..Node::default() }).collect();
+        let start = topology.start();
         Tessellator::with_start(engine, nets, topology, start, level, options, capacity)
     }
 
@@ -146,6 +148,7 @@ impl Tessellator {
                 points: points.len(),
                 start,
                 table,
+                target: level.target()?,
                 levels: 0,
                 frozen: false,
                 report: Report::new(engine),
@@ -174,10 +177,9 @@ impl Tessellator {
             let label = wgpu::CommandEncoderDescriptor { label: Some("burgeon new room") };
             let mut encoder = engine.device.create_command_encoder(&label);
             let old = &self.buffers;
-            for (from, to) in [(&old.nets, &buffers.nets), (&old.target, &buffers.target)] {
-                encoder.copy_buffer_to_buffer(from, 0, to, 0, from.size());
-            }
+            encoder.copy_buffer_to_buffer(&old.nets, 0, &buffers.nets, 0, old.nets.size());
             engine.queue.submit([encoder.finish()]);
+            engine.queue.write_buffer(&buffers.target, 0, bytemuck::bytes_of(&self.target));
             self.groups = [0, 1].map(|now| self.kernels.groups(&engine, &buffers, now));
             self.buffers = buffers;
             Ok(())
@@ -189,9 +191,9 @@ impl Tessellator {
     /// # Errors
     /// [`Error::Level`] for numbers out of range.
     pub fn set_level(&mut self, level: &Level) -> Result<(), Error> {
-        let target = level.target()?;
-        self.engine.queue.write_buffer(&self.buffers.target, 0, bytemuck::bytes_of(&target));
-        self.levels = (target.most.max(self.least) + 1).min(LEVELS);
+        self.target = level.target()?;
+        self.engine.queue.write_buffer(&self.buffers.target, 0, bytemuck::bytes_of(&self.target));
+        self.levels = (self.target.most.max(self.least) + 1).min(LEVELS);
         Ok(())
     }
 

@@ -42,3 +42,14 @@ fn turned(t: u32, turn: bool) -> u32 {
 fn collapsed(n: vec4u, side: u32) -> bool {
   return on_border(n, side) && curve_at(n.x, side) == NOWHERE;
 }
+
+// Which of the two triangles of a cell there are, as bits: the first has sides 2 and 1, the second 3 and 0.
+// Three corners are one point where two neighbouring sides are.
+fn halves_of(n: vec4u) -> u32 {
+  let x = vec2<bool>(collapsed(n, 0u), collapsed(n, 1u));
+  let y = vec2<bool>(collapsed(n, 2u), collapsed(n, 3u));
+  if any(x) && any(y) {
+    return 0u;
+  }
+  return select(1u, 0u, y.x || x.y) | select(2u, 0u, y.y || x.x);
+}
