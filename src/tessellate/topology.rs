@@ -225,7 +225,8 @@ impl Build {
                 out[side] = row.curves[side].map_or(NOWHERE, |id| curves[id]);
                 out[4 + side] = points[row.points[side]];
             }
-            out[8] = u32::from(row.orientation.0) | depth << 8 | row.reversed << 16 | u32::from(row.void) << 20;
+            out[8] =
+                u32::from(row.orientation.0) | depth << 8 | row.reversed << 16 | u32::from(row.void) << 20;
         }
         let with = |few: fn(usize) -> bool| self.curves.iter().filter(|c| few(c.len())).count();
         let report = Report {

@@ -36,7 +36,9 @@ enum Line {
 struct Check<'a> {
     t: &'a Tessellator,
     words: &'a [u32],
-    leaves: Vec<Vec<Node>>,
+    /// By their cells, and the shapes that occur.
+    leaves: HashMap<(u32, [u32; 2], [u32; 2]), Node>,
+    shapes: BTreeSet<[u32; 2]>,
 }
 
 impl Check<'_> {
@@ -95,13 +97,13 @@ impl Check<'_> {
         p
     }
 
-    /// The leaf that covers a lattice cell, by looking at all.
+    /// The leaf that covers a lattice cell, by trying all shapes.
     fn covering(&self, root: u32, p: [u32; 2]) -> &Node {
-        let inside = |n: &&Node| {
-            let (low, size) = (n.low(), n.size());
-            (0..2).all(|k| low[k] <= p[k] && p[k] < low[k] + size[k])
+        let of_shape = |depth: &[u32; 2]| {
+            let cell = [0, 1].map(|k| p[k] / (FULL >> depth[k]));
+            self.leaves.get(&(root, *depth, cell))
         };
-        let mut found = self.leaves[root as usize].iter().filter(inside);
+        let mut found = self.shapes.iter().filter_map(of_shape);
         let leaf = found.next().expect("a leaf covers every place");
         assert!(found.next().is_none(), "leaves overlap");
         leaf
@@ -136,14 +138,13 @@ impl Check<'_> {
 pub fn check(t: &Tessellator, nets: &[Net], tolerance: Option<f32>) -> Checked {
     let tree = t.tree();
     let words = t.topology().words();
-    let mut leaves = vec![Vec::new(); t.topology().roots()];
-    for (n, node) in tree.nodes.iter().enumerate() {
-        if tree.is_leaf(n as u32) {
-            leaves[node.root as usize].push(*node);
-        }
-    }
-    let count = leaves.iter().flatten().filter(|n| !n.is_hole()).count();
-    let check = Check { t, words, leaves };
+    let leaves = (0..tree.nodes.len()).filter(|&n| tree.is_leaf(n as u32)).map(|n| tree.nodes[n]);
+    let count = leaves.clone().filter(|n| !n.is_hole()).count();
+    let shapes = leaves.clone().map(|n| n.depth()).collect();
+    let all = leaves.clone().count();
+    let leaves: HashMap<_, _> = leaves.map(|n| ((n.root, n.depth(), [n.i, n.j]), n)).collect();
+    assert_eq!(leaves.len(), all, "two leaves of one cell");
+    let check = Check { t, words, leaves, shapes };
     let (out, mesh) = (t.out(), t.mesh());
     let mut found = Checked { leaves: count, vertices: mesh.positions.len(), ..Checked::default() };
     found.triangles = out.cells.len();
@@ -184,7 +185,10 @@ pub fn check(t: &Tessellator, nets: &[Net], tolerance: Option<f32>) -> Checked {
         *areas.entry(*cell).or_default() += area as u64;
         let mirrored = t.topology().orientation(node.root).mirrors();
         let index = if mirrored { [index[0], index[2], index[1]] } else { [index[0], index[1], index[2]] };
-        assert!(index[0] != index[1] && index[1] != index[2] && index[2] != index[0], "a degenerate triangle");
+        assert!(
+            index[0] != index[1] && index[1] != index[2] && index[2] != index[0],
+            "a degenerate triangle"
+        );
         for (k, &v) in index.iter().enumerate() {
             used[v as usize] = true;
             let next = (k + 1) % 3;
@@ -258,7 +262,9 @@ pub fn check(t: &Tessellator, nets: &[Net], tolerance: Option<f32>) -> Checked {
             let parameters = triangle.map(|c| orientation.uv(place(c).1).map(f64::from));
             let exact = |uv: [f64; 2]| net.view().evaluate(uv[0], uv[1]).position.map(f64::from);
             let corners = parameters.map(exact);
-            for weights in [[1.0, 1.0, 1.0], [4.0, 1.0, 1.0], [1.0, 4.0, 1.0], [1.0, 1.0, 4.0], [1.0, 1.0, 0.0]] {
+            for weights in
+                [[1.0, 1.0, 1.0], [4.0, 1.0, 1.0], [1.0, 4.0, 1.0], [1.0, 1.0, 4.0], [1.0, 1.0, 0.0]]
+            {
                 let sum: f64 = weights.iter().sum();
                 let mix = |values: [f64; 3]| (0..3).map(|k| weights[k] * values[k]).sum::<f64>() / sum;
                 let uv = [0, 1].map(|k| mix(parameters.map(|p| p[k])));
