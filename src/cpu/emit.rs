@@ -3,7 +3,7 @@
 //! A 2×2 split of a net of (m + 1)(n + 1) points of 16 bytes reads it and a record of 32 bytes once
 //! and writes four times that, and does (n + 1)·m(m + 1)/2 + 2(m + 1)·n(n + 1)/2 midpoints of 4
 //! components: 0.5 flop a byte for bicubic nets, which memory bandwidth bounds, 1.2 for degree 8, less the
-//! halvings that [`halve`] puts off. Sweeps go over rows first (u, from the left), then over columns (v): the
+//! halvings that `halve` puts off. Sweeps go over rows first (u, from the left), then over columns (v): the
 //! same bits as the kernels. A sweep is compiled for each degree, so that a line stays in registers.
 
 use super::BLOCK;
