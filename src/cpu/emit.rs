@@ -13,8 +13,9 @@ use crate::plan::code::ChildCode;
 use crate::plan::layout::Header;
 use crate::plan::tables::{Production, Stage};
 use glam::Vec4;
-use rayon::prelude::*;
-use std::ops::Range;
+use rayon::ThreadPool;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 /// Where the children go: exactly the modules that the scan counted.
 pub struct Output<'a> {
@@ -26,8 +27,8 @@ pub struct Output<'a> {
 ///
 /// Where the growth is closed `rules` and `offsets` are not read.
 pub fn emit(
+    threads: &ThreadPool,
     stage: &Stage,
-    words_of_rules: &[u32],
     input: &Input,
     nets: &[[f32; 4]],
     rules: &[u32],
@@ -35,6 +36,7 @@ pub fn emit(
     out: Output,
 ) -> bool {
     let n = input.len();
+    let words_of_rules = stage.rule_words();
     let offset = |i: usize| match stage.closed {
         Some(growth) => i * growth as usize,
         None => offsets[i] as usize,
@@ -54,25 +56,33 @@ pub fn emit(
         out_nets = rest;
         parts.push((modules, Output { records: r, nets: p }));
     }
-    let own = || {
-        let registers: Vec<_> = stage.productions.iter().map(|_| Registers::default()).collect();
-        (registers, Splitter::new(input.layout.degree))
+    let workers = threads.current_num_threads().min(parts.len());
+    let parts = Mutex::new(parts.into_iter());
+    let fits = AtomicBool::new(true);
+    let work = || {
+        let mut registers: Vec<_> = stage.productions.iter().map(|_| Registers::default()).collect();
+        let mut splitter = Splitter::new(input.layout.degree);
+        loop {
+            let next = parts.lock().unwrap_or_else(PoisonError::into_inner).next();
+            let Some((modules, out)) = next else { return };
+            let nets = &nets[modules.start * points..modules.end * points];
+            let rules = match stage.closed {
+                Some(_) => None,
+                None => Some(&rules[modules.clone()]),
+            };
+            let part = input.part(modules);
+            if !emit_part(stage, &words_of_rules, &part, nets, rules, (&mut registers, &mut splitter), out) {
+                fits.store(false, Ordering::Relaxed);
+            }
+        }
     };
-    let task = |own: &mut (Vec<Registers>, Splitter), (modules, out): (Range<usize>, Output)| {
-        let nets = &nets[modules.start * points..modules.end * points];
-        let rules = match stage.closed {
-            Some(_) => None,
-            None => Some(&rules[modules.clone()]),
-        };
-        emit_part(stage, words_of_rules, &input.part(modules), nets, rules, own, out)
-    };
-    // The first task is done before the others are shared out. Meanwhile the thread that waits for this one
-    // goes to sleep and leaves its core to the next worker; shared out at once, both workers may be put on
-    // one core, where the system (Linux, on two cores) then leaves them step after step.
-    let mut parts = parts.into_iter();
-    let fits = parts.next().is_none_or(|first| task(&mut own(), first));
-    let rest: Vec<_> = parts.collect();
-    rest.into_par_iter().map_init(own, task).reduce(|| true, |a, b| a & b) & fits
+    // The calling thread is one of the workers. If it only waited, a system might put two others on one core
+    // when they wake (Linux does on two cores), and leaves them there step after step.
+    threads.in_place_scope(|scope| {
+        (1..workers).for_each(|_| scope.spawn(|_| work()));
+        work();
+    });
+    fits.into_inner()
 }
 
 fn emit_part(
@@ -81,7 +91,7 @@ fn emit_part(
     part: &Input,
     nets: &[[f32; 4]],
     rules: Option<&[u32]>,
-    (registers, splitter): &mut (Vec<Registers>, Splitter),
+    (registers, splitter): (&mut [Registers], &mut Splitter),
     out: Output,
 ) -> bool {
     let (words, points) = (part.layout.record_words, part.layout.net_points());
