@@ -39,7 +39,7 @@ const MUTANTS: &[Mutant] = &[
     ("decide", "select(wanted.tolerance, wanted.keep, was_split)", "wanted.tolerance", Frames),
     ("decide", "range.level == 0u", "true", Frames),
     ("decide", "(n.z >> (level - 1u)) & 1u) != 0u", "(n.z >> (level - 1u)) & 1u) == 0u", Roots),
-    ("decide", "net[r][c] + net[r][c - 1u]", "net[r][c] + net[r][c]", Roots),
+    ("decide", "(p[c] + p[c + 1u])", "(p[c] + p[c])", Roots),
     ("decide", "select(0u, 2u, x > w)", "0u", Pixels),
     ("decide", "return crosses ||", "return ", Pixels),
     ("decide", "y * wanted.half_size.y", "y * wanted.half_size.x", Pixels),
@@ -114,13 +114,16 @@ impl Check {
                     .or_else(|| compare(&file("torus.bpt", true), &levels, &shared(whole)))
             }
             Pixels => {
-                let levels = [[0.3, 1.2, 0.1], [3.0, 2.0, 2.5]]
+                let nets = file("teapot.bpt", false);
+                // Inside, near, and on the surface.
+                let on_it = nets[5].view().evaluate(0.5, 0.5).position;
+                let levels = [[0.3, 1.2, 0.1], [3.0, 2.0, 2.5], on_it]
                     .map(|eye| Level { depth: 1..=7, ..Level::pixels(1.0, camera(eye)) });
-                compare(&file("teapot.bpt", false), &levels, &shared(whole))
+                compare(&nets, &levels, &shared(whole))
             }
             Frames => {
                 let level = |tolerance| Level { hysteresis: 0.5, ..Level::world(tolerance) };
-                let levels = [0.02, 0.03, 0.2, 0.02, 0.5, 0.8, 1.2].map(level);
+                let levels = [0.02, 0.03, 0.2, 0.12, 0.07, 0.045, 0.02, 0.5, 0.8].map(level);
                 compare(&file("teapot.bpt", false), &levels, &shared(packed))
             }
             Word => {
