@@ -294,12 +294,7 @@ pub fn assert_within_default_limits(shader: &Shader) {
     let mut layouter = Layouter::default();
     layouter.update(module.to_ctx()).expect("a layout");
     let in_space = |wanted: fn(AddressSpace) -> bool| {
-        module
-            .global_variables
-            .iter()
-            .map(|(_, v)| v)
-            .filter(move |v| wanted(v.space))
-            .collect::<Vec<_>>()
+        module.global_variables.iter().map(|(_, v)| v).filter(move |v| wanted(v.space)).collect::<Vec<_>>()
     };
     let storage = in_space(|space| matches!(space, AddressSpace::Storage { .. }));
     assert!(storage.len() <= STORAGE_BUFFERS, "{}: {} storage buffers", shader.name, storage.len());

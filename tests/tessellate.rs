@@ -7,9 +7,9 @@ mod invariants;
 mod kernels;
 mod sets;
 
+use burgeon::cpu;
 use burgeon::cpu::tessellate::Tessellator;
 use burgeon::io::bpt;
-use burgeon::cpu;
 use burgeon::language::{System, Value};
 use burgeon::patch::{Axiom, Net, Word};
 use burgeon::plan::{self, Plan};
@@ -66,7 +66,8 @@ fn no_orientation_of_the_file_changes_the_mesh() {
         let again = tessellated(&turned, &level, &Options::default());
         check(&again, &turned, Some(level.tolerance));
         assert_eq!(first.trees(), again.trees());
-        let positions = |t: &Tessellator| t.mesh().positions.iter().map(|p| p.map(f32::to_bits)).collect::<Vec<_>>();
+        let positions =
+            |t: &Tessellator| t.mesh().positions.iter().map(|p| p.map(f32::to_bits)).collect::<Vec<_>>();
         assert_eq!(positions(&first), positions(&again));
         let triangles = first.out().indices.chunks(3).zip(again.out().indices.chunks(3));
         for ((a, b), &cell) in triangles.zip(&first.out().cells) {
@@ -87,6 +88,43 @@ fn the_same_input_gives_the_same_bytes() {
     };
     assert_eq!(run(1), run(1));
     assert_eq!(run(1), run(3));
+}
+
+#[test]
+fn a_tessellation_keeps_to_its_budget_and_stops() {
+    use burgeon::cpu::tessellate::Error;
+    use std::sync::atomic::AtomicBool;
+    let nets = file("teapot.bpt", false);
+    let target = Level::world(0.01).target().expect("a level");
+    let mut t = Tessellator::new(&nets, &Options::default());
+    let (go, stop) = (AtomicBool::new(false), AtomicBool::new(true));
+    assert!(matches!(t.run_within(&target, 100_000, &go), Err(Error::Memory { budget: 100_000, .. })));
+    assert_eq!(t.run_within(&target, u64::MAX, &stop), Err(Error::Stopped));
+    assert!(t.out().indices.is_empty() && t.trees().nodes.is_empty());
+    t.run_within(&target, 1 << 30, &go).expect("room");
+    assert_eq!(t.out(), tessellated(&nets, &Level::world(0.01), &Options::default()).out());
+    let endless = Level { depth: 23..=23, ..Level::world(1.0) }.target().expect("a level");
+    assert!(matches!(t.run_within(&endless, 1 << 25, &go), Err(Error::Memory { .. })));
+}
+
+/// A side's name in the file does not depend on the orientation that the tessellation is made in.
+#[test]
+fn sides_are_named_as_the_file_has_them() {
+    // The patch's side v = 1 is twice as long as the side u = 0 of the second.
+    let flat = |corners: [[f32; 2]; 4]| Net {
+        degree: [1, 1],
+        points: corners.iter().map(|&[x, y]| [x, y, 0.0, 1.0]).collect(),
+    };
+    let nets = [
+        flat([[0.0, 0.0], [0.0, 1.0], [2.0, 0.0], [2.0, 1.0]]),
+        flat([[0.0, 1.0], [1.0, 1.0], [0.0, 2.0], [1.0, 2.0]]),
+    ];
+    let topology = burgeon::tessellate::Topology::new(&nets);
+    let partial = &topology.report().partial;
+    assert_eq!(partial.len(), 1);
+    let named = partial[0].map(|(root, side)| (root, topology.file_side(root, side)));
+    assert_eq!(named, [(0, ('v', 1)), (1, ('u', 0))]);
+    assert!((0..4).all(|side| !topology.is_collapsed(0, side)));
 }
 
 #[test]
@@ -163,9 +201,8 @@ fn seen_within(t: &Tessellator, nets: &[Net], camera: &Camera, tolerance: f64, m
                 Corner::At { p, .. } => orientation.uv(p).map(f64::from),
                 Corner::Centre { node } => orientation.uv(tree.nodes[node as usize].centre()).map(f64::from),
             });
-            let exact = |uv: [f64; 2]| {
-                nets[cell.root as usize].view().evaluate(uv[0], uv[1]).position.map(f64::from)
-            };
+            let exact =
+                |uv: [f64; 2]| nets[cell.root as usize].view().evaluate(uv[0], uv[1]).position.map(f64::from);
             let corners = uv.map(exact);
             for weights in [[1.0, 1.0, 1.0], [1.0, 1.0, 0.0], [0.0, 1.0, 1.0], [1.0, 0.0, 1.0]] {
                 let sum: f64 = weights.iter().sum();

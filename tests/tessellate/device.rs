@@ -72,6 +72,35 @@ fn cpu_and_gpu_make_the_same_mesh() {
     }
 }
 
+/// Room for nothing is made room for all, in a few frames, and the mesh is that of the CPU.
+#[test]
+fn a_mesh_is_made_once_from_a_guess_that_is_far_too_small() {
+    let Some(headless) = device::headless() else { return };
+    let engine = Engine::new(&headless.device, &headless.queue);
+    let nets = file("teapot.bpt", false);
+    let (level, options) = (Level::world(0.01), Options::default());
+    let cpu = tessellated(&nets, &level, &options).complete();
+    for room in [Capacity { nodes: 0, vertices: 0, indices: 0 }, Capacity::for_vertices(1000), ROOM] {
+        let mut gpu = Tessellator::new(&engine, &nets, &level, &options, &room).expect("a tessellator");
+        let found = gpu.complete().expect("a mesh");
+        assert!(found.status.complete());
+        assert_eq!(found.mesh.indices, cpu.mesh.indices);
+        assert_eq!((&found.sources, found.deepest), (&cpu.sources, cpu.deepest));
+        for (a, b) in found.mesh.positions.iter().zip(&cpu.mesh.positions) {
+            assert!((0..3).all(|k| (a[k] - b[k]).abs() <= 1e-6 * b[k].abs().max(1.0)), "{a:?} and {b:?}");
+        }
+        // And again, now that there is room.
+        let frames = found.status.frame;
+        assert_eq!(gpu.complete().expect("a mesh").status.frame, frames + 1);
+    }
+    let level = Level { depth: 12..=12, ..level };
+    let mut gpu = Tessellator::new(&engine, &nets, &level, &options, &ROOM).expect("a tessellator");
+    assert!(matches!(gpu.complete(), Err(Error::Binding { .. })));
+    let other = Options { format: Format { uv: None, ..Format::default() }, ..options };
+    let mut gpu = Tessellator::new(&engine, &nets, &Level::world(1.0), &other, &ROOM).expect("a tessellator");
+    assert!(matches!(gpu.complete(), Err(Error::Format)));
+}
+
 #[test]
 fn words_are_the_same_on_cpu_and_gpu() {
     let Some(headless) = device::headless() else { return };
@@ -153,11 +182,8 @@ fn packed_vertices_are_the_floats_within_their_steps() {
         assert_eq!(b[3], 1.0);
         let (x, y) = (b[4], b[5]);
         let z = 1.0 - x.abs() - y.abs();
-        let (x, y) = if z < 0.0 {
-            ((1.0 - y.abs()).copysign(x), (1.0 - x.abs()).copysign(y))
-        } else {
-            (x, y)
-        };
+        let (x, y) =
+            if z < 0.0 { ((1.0 - y.abs()).copysign(x), (1.0 - x.abs()).copysign(y)) } else { (x, y) };
         let length = (x * x + y * y + z * z).sqrt();
         let cosine = (x * a[3] + y * a[4] + z * a[5]) / length;
         assert!(cosine > 1.0 - 1e-6, "normal {v}: {cosine}");
@@ -189,7 +215,11 @@ fn room_that_is_one_too_small_is_told_and_nothing_is_written_past_it() {
         gpu.set_level(&fine).expect("a level");
         let after = submit(&engine, &mut gpu);
         assert!(!after.status.complete(), "{what}");
-        assert_eq!((after.status.vertices, after.status.indices), (wanted.vertices, wanted.indices), "{what}");
+        assert_eq!(
+            (after.status.vertices, after.status.indices),
+            (wanted.vertices, wanted.indices),
+            "{what}"
+        );
         // The frame before is still there to be drawn.
         assert_eq!((after.draw, &after.indices, &after.cells), (before.draw, &before.indices, &before.cells));
         assert_eq!(after.vertices[..before.vertices.len()], before.vertices, "{what}");

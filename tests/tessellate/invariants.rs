@@ -184,7 +184,10 @@ pub fn check(t: &Tessellator, nets: &[Net], tolerance: Option<f32>) -> Checked {
         *areas.entry(*cell).or_default() += area as u64;
         let mirrored = t.topology().orientation(node.root).mirrors();
         let index = if mirrored { [index[0], index[2], index[1]] } else { [index[0], index[1], index[2]] };
-        assert!(index[0] != index[1] && index[1] != index[2] && index[2] != index[0], "a degenerate triangle");
+        assert!(
+            index[0] != index[1] && index[1] != index[2] && index[2] != index[0],
+            "a degenerate triangle"
+        );
         for (k, &v) in index.iter().enumerate() {
             used[v as usize] = true;
             let next = (k + 1) % 3;
@@ -258,7 +261,9 @@ pub fn check(t: &Tessellator, nets: &[Net], tolerance: Option<f32>) -> Checked {
             let parameters = triangle.map(|c| orientation.uv(place(c).1).map(f64::from));
             let exact = |uv: [f64; 2]| net.view().evaluate(uv[0], uv[1]).position.map(f64::from);
             let corners = parameters.map(exact);
-            for weights in [[1.0, 1.0, 1.0], [4.0, 1.0, 1.0], [1.0, 4.0, 1.0], [1.0, 1.0, 4.0], [1.0, 1.0, 0.0]] {
+            for weights in
+                [[1.0, 1.0, 1.0], [4.0, 1.0, 1.0], [1.0, 4.0, 1.0], [1.0, 1.0, 4.0], [1.0, 1.0, 0.0]]
+            {
                 let sum: f64 = weights.iter().sum();
                 let mix = |values: [f64; 3]| (0..3).map(|k| weights[k] * values[k]).sum::<f64>() / sum;
                 let uv = [0, 1].map(|k| mix(parameters.map(|p| p[k])));

@@ -37,8 +37,7 @@ pub fn torus(a: u32, b: u32, seed: u64) -> Vec<Net> {
 /// Patches that share the curve u = 0, as pages do.
 pub fn book(pages: usize, seed: u64) -> Vec<Net> {
     let mut random = Random::new(seed);
-    let spine: Vec<[f32; 4]> =
-        (0..4).map(|j| point(&mut random, [0.0, f64::from(j), 0.0], 0.8)).collect();
+    let spine: Vec<[f32; 4]> = (0..4).map(|j| point(&mut random, [0.0, f64::from(j), 0.0], 0.8)).collect();
     let page = |n: usize| {
         let angle = n as f64 / pages as f64 * std::f64::consts::TAU;
         let mut points = spine.clone();

@@ -17,22 +17,24 @@ pub fn tally(
     vertex_counts.resize(marks.len(), 0);
     triangle_counts.resize(marks.len(), 0);
     let counts = vertex_counts.par_chunks_mut(BLOCK).zip(triangle_counts.par_chunks_mut(BLOCK));
-    marks.par_chunks_mut(BLOCK).zip(counts).enumerate().for_each(|(block, (marks, (vertices, triangles)))| {
-        let counts = vertices.iter_mut().zip(triangles);
-        for (k, (mark, (vertices, triangles))) in marks.iter_mut().zip(counts).enumerate() {
-            let node = (block * BLOCK + k) as u32;
-            (*vertices, *triangles) = (0, 0);
-            if !tree.is_leaf(node) {
-                continue;
+    marks.par_chunks_mut(BLOCK).zip(counts).enumerate().for_each(
+        |(block, (marks, (vertices, triangles)))| {
+            let counts = vertices.iter_mut().zip(triangles);
+            for (k, (mark, (vertices, triangles))) in marks.iter_mut().zip(counts).enumerate() {
+                let node = (block * BLOCK + k) as u32;
+                (*vertices, *triangles) = (0, 0);
+                if !tree.is_leaf(node) {
+                    continue;
+                }
+                *mark |= tree.owned(node, *mark);
+                tree.triangles(node, *mark, |triangle| {
+                    *triangles += 1;
+                    *vertices += extra(tree, node, triangle);
+                });
+                *vertices += (*mark >> OWNS & 15).count_ones() + u32::from(*mark & FAN != 0);
             }
-            *mark |= tree.owned(node, *mark);
-            tree.triangles(node, *mark, |triangle| {
-                *triangles += 1;
-                *vertices += extra(tree, node, triangle);
-            });
-            *vertices += (*mark >> OWNS & 15).count_ones() + u32::from(*mark & FAN != 0);
-        }
-    });
+        },
+    );
     marks
 }
 
