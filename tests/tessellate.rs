@@ -18,6 +18,7 @@ use burgeon::tessellate::{Camera, Level, Measure, Options, Topology};
 use invariants::{Checked, check};
 use proptest::prelude::*;
 use sets::{book, reoriented, scrambled, torus};
+use std::ops::RangeInclusive;
 
 fn file(name: &str, rational: bool) -> Vec<Net> {
     bpt::read(format!("{}/examples/data/{name}", env!("CARGO_MANIFEST_DIR")), rational).expect(name)
@@ -241,7 +242,7 @@ fn levels_that_cannot_be_are_refused() {
     for tolerance in [0.0, -1.0, f32::NAN, f32::INFINITY] {
         assert!(refused(Level::world(tolerance)).contains("must be above 0"), "{tolerance}");
     }
-    for depth in [3..=2, 0..=24, 30..=40] {
+    for depth in [RangeInclusive::new(3, 2), 0..=24, 30..=40] {
         assert!(refused(Level { depth, ..Level::world(1.0) }).contains("no range within 0 to 23"));
     }
     for hysteresis in [-0.1, 1.0, f32::NAN] {
