@@ -79,12 +79,14 @@ pub fn need_picture(targets: &[Target]) -> bool {
 pub struct Shape {
     pub mesh: Mesh,
     /// The same for pictures with a colour a vertex.
+    #[cfg_attr(not(feature = "gpu"), expect(dead_code))]
     pub coloured: Option<(Mesh, Vec<[u8; 3]>)>,
 }
 
 /// What pictures and scenes look like, and who draws them.
 pub struct Look<'a> {
     pub drawing: &'a flags::Drawing,
+    #[cfg_attr(not(feature = "gpu"), expect(dead_code))]
     pub device: Option<&'a Device>,
     /// Which one is opened where there is none.
     #[cfg_attr(not(feature = "gpu"), expect(dead_code))]
