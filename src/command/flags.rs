@@ -34,7 +34,7 @@ pub struct Run {
     #[arg(long, value_name = "WHERE", value_enum, default_value_t = Backend::Auto)]
     pub backend: Backend,
     /// Cells along each side of a patch in .obj, .ply, .glb and .png, two triangles each; halved until the model
-    /// has at most 2 million
+    /// has at most 2 million; not with --tolerance
     #[arg(long, value_name = "N", default_value_t = 8, conflicts_with = "tolerance", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=256))]
     pub grid: u32,
     #[command(flatten)]
@@ -86,10 +86,11 @@ pub struct Fineness {
     /// default: a thousandth of the model's diagonal]
     #[arg(long, value_name = "T", allow_hyphen_values = true, value_parser = tolerance)]
     pub tolerance: Option<Tolerance>,
-    /// Halve each patch, each way, so many times at least [default: 0]
+    /// Halve each patch of that mesh, each way, so many times at least [default: 0]
     #[arg(long, value_name = "D", allow_negative_numbers = true, value_parser = depth())]
     pub min_depth: Option<u32>,
-    /// Halve each patch, each way, no more often than this, whatever the tolerance [default: 12]
+    /// Halve each patch of that mesh, each way, no more often than this, whatever the tolerance
+    /// [default: 12]
     #[arg(long, value_name = "D", allow_negative_numbers = true, value_parser = depth())]
     pub max_depth: Option<u32>,
 }

@@ -33,7 +33,7 @@ pub fn run(flags: &flags::Run) -> Result<(), Failure> {
     }
     let mut derived = derived?;
     let device = derived.device.as_ref();
-    let surface = watertight.then(|| {
+    let mut surface = watertight.then(|| {
         let hole = job.plan.hole;
         let work = Work { nets: &nets, word: Some((&derived.word, hole)), level: &level };
         tessellate::make(&work, device, &flags.derive.machine, &bar)
@@ -42,7 +42,7 @@ pub fn run(flags: &flags::Run) -> Result<(), Failure> {
         derived.word = holes::dropped(&derived.word, hole);
     }
     let word = &derived.word;
-    let shape = match &surface {
+    let shape = match &mut surface {
         Some(Ok(surface)) => Ok(tessellate::shape(surface, flags.by_symbol, &targets)),
         Some(Err(why)) => Err(why.clone()),
         None if output::need_mesh(&targets) => {
@@ -243,8 +243,8 @@ fn stats(derived: &Derived, surface: Option<&tessellate::Surface>, start: Instan
         "peak_bytes": derived.peak_bytes,
     });
     if let Some(surface) = surface {
-        stats["vertices"] = surface.complete.mesh.positions.len().into();
-        stats["triangles"] = surface.complete.mesh.triangles().len().into();
+        stats["vertices"] = surface.vertices().into();
+        stats["triangles"] = surface.triangles().into();
         stats["tessellate_ms"] = surface.ms.into();
     }
     stats

@@ -26,11 +26,17 @@ pub struct Surface {
 }
 
 impl Surface {
+    pub fn vertices(&self) -> u64 {
+        u64::from(self.complete.status.vertices)
+    }
+
+    pub fn triangles(&self) -> u64 {
+        u64::from(self.complete.status.indices / 3)
+    }
+
     /// `289 vertices, 512 triangles`.
     pub fn counts(&self) -> String {
-        let mesh = &self.complete.mesh;
-        let [vertices, triangles] = [mesh.positions.len(), mesh.triangles().len()];
-        format!("{}, {}", counted(vertices as u64, "vertex"), counted(triangles as u64, "triangle"))
+        format!("{}, {}", counted(self.vertices(), "vertex"), counted(self.triangles(), "triangle"))
     }
 }
 
@@ -52,11 +58,16 @@ pub fn tessellate(flags: &flags::Tessellate) -> Result<(), Failure> {
     let bar = Bar::new();
     let device = run::device(flags.backend, &flags.machine)?;
     if flags.fineness.tolerance.is_none() {
-        say(&format!("note: --tolerance {}, a thousandth of the model's diagonal", level.tolerance));
+        let tolerance = level.tolerance;
+        let shown = match (1e-4..1e6).contains(&tolerance) {
+            true => tolerance.to_string(),
+            false => format!("{tolerance:e}"),
+        };
+        say(&format!("note: --tolerance {shown}, a thousandth of the model's diagonal"));
     }
     let work = Work { nets: &nets, word: None, level: &level };
-    let surface = make(&work, device.as_ref(), &flags.machine, &bar);
-    let shape = match &surface {
+    let mut surface = make(&work, device.as_ref(), &flags.machine, &bar);
+    let shape = match &mut surface {
         Ok(surface) => Ok(shape(surface, false, &targets)),
         Err(why) => Err(why.clone()),
     };
@@ -75,8 +86,8 @@ pub fn tessellate(flags: &flags::Tessellate) -> Result<(), Failure> {
             "backend": if device.is_some() { "gpu" } else { "cpu" },
             "adapter": adapter(device.as_ref()),
             "patches": nets.len(),
-            "vertices": surface.complete.mesh.positions.len(),
-            "triangles": surface.complete.mesh.triangles().len(),
+            "vertices": surface.vertices(),
+            "triangles": surface.triangles(),
             // As it was given, not as the nearest f64 of it.
             "tolerance": level.tolerance.to_string().parse::<f64>().ok(),
             "pixels": in_pixels,
@@ -97,6 +108,9 @@ fn adapter(device: Option<&Device>) -> String {
 fn adapter(_: Option<&Device>) -> String {
     "CPU".to_string()
 }
+
+/// Bounds of errors square lengths, and what is shorter than this would have no square.
+const LEAST_TOLERANCE: f32 = 1e-16;
 
 /// A flag of depth that was given.
 pub fn depth_flag(flags: &flags::Fineness) -> Option<&'static str> {
@@ -123,6 +137,12 @@ pub fn level(
             }
         },
     };
+    if measure == Measure::World && tolerance < LEAST_TOLERANCE {
+        let what = format!(
+            "a tolerance of {tolerance:e} cannot be told in single precision, {LEAST_TOLERANCE:e} can"
+        );
+        return Err(usage(format!("--tolerance: {what}\nhelp: give a larger one, or scale the model up")));
+    }
     let least = flags.min_depth.unwrap_or(0);
     let usual = *Level::world(tolerance).depth.end();
     let most = flags.max_depth.unwrap_or(usual.max(least));
@@ -235,15 +255,15 @@ fn on_cpu(work: &Work, machine: &flags::Machine, bar: &Bar) -> Result<Complete, 
     })
 }
 
-/// As files and pictures have it. With colours by symbol a picture has its vertices once for each symbol.
-pub fn shape(surface: &Surface, by_symbol: bool, targets: &[output::Target]) -> output::Shape {
-    let Complete { mesh, sources, .. } = &surface.complete;
-    let coloured = || {
-        let (mesh, symbols) = mesh.parted(|triangle| sources[triangle][1]);
+/// The mesh, taken out, as files and pictures have it. With colours by symbol a picture has its vertices
+/// once for each symbol.
+pub fn shape(surface: &mut Surface, by_symbol: bool, targets: &[output::Target]) -> output::Shape {
+    let mesh = std::mem::take(&mut surface.complete.mesh);
+    let coloured = (by_symbol && output::need_picture(targets)).then(|| {
+        let (mesh, symbols) = mesh.parted(|triangle| surface.complete.sources[triangle][1]);
         (mesh, symbols.into_iter().map(|symbol| output::color(symbol as usize)).collect())
-    };
-    let coloured = (by_symbol && output::need_picture(targets)).then(coloured);
-    output::Shape { mesh: mesh.clone(), coloured }
+    });
+    output::Shape { mesh, coloured }
 }
 
 /// Sides that meet without being joined that are named one by one.

@@ -141,13 +141,14 @@ fn files_that_cannot_be_tessellated() {
 #[test]
 fn wrong_usage_of_a_tessellation() {
     let folder = Folder::new();
-    let cases: [(&[&str], &[&str]); 15] = [
+    let cases: [(&[&str], &[&str]); 16] = [
         (&["--tolerance", "0"], &["--tolerance", "a number above 0"]),
         (&["--tolerance", "-0.1"], &["--tolerance", "a number above 0"]),
         (&["--tolerance", "nan"], &["--tolerance", "a number above 0"]),
         (&["--tolerance", "inf"], &["--tolerance", "a number above 0"]),
         (&["--tolerance", "-2px"], &["--tolerance", "0.5px (pixels)"]),
         (&["--tolerance", "1mm"], &["--tolerance", "0.01 (units of the model)"]),
+        (&["--tolerance", "1e-20"], &["--tolerance: a tolerance of 1e-20", "scale the model up"]),
         (&["--tolerance", "1px"], &["--tolerance 1px", "--eye X,Y,Z"]),
         (&["--eye", "1,2,3"], &["--eye is for a tolerance in pixels"]),
         (
