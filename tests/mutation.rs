@@ -141,19 +141,21 @@ const NETS: &[Mutant] = &[
     ("emit", "if i >= extent.count", "if i + 1u >= extent.count", Every),
     ("emit", "r * COLUMNS + c", "c * COLUMNS + r", Every),
     ("emit", "r * COLUMNS + c", "r * ROWS + c", Degrees),
-    ("emit", "write_row(v, net[r], r, at0, at1)", "write_row(v, net[r], 0u, at0, at1)", Every),
-    ("emit", "write_row(v, net[0], level, at0, at1)", "write_row(v, net[1], level, at0, at1)", Closed),
+    ("emit", "write_row(e, 0u, v, net[r], r)", "write_row(e, 0u, v, net[r], 0u)", Every),
+    ("emit", "write_row(e, 0u, v, net[0], level)", "write_row(e, 0u, v, net[1], level)", Closed),
     ("emit", "r + level + 1u < ROWS", "r + level + 2u < ROWS", Every),
     ("emit", "r + level + 1u < ROWS", "r + level < ROWS", Degrees),
     ("emit", "net[r + 1u][c]) * 0.5", "net[r + 1u][c]) * 0.25", Degrees),
-    ("emit", "write_row(v, net[r], r, at2, at3)", "write_row(u, net[r], r, at2, at3)", Every),
-    ("rows", "left == NOWHERE && right", "left == NOWHERE || right", Every),
-    ("rows", "select(left, right, left == NOWHERE)", "select(right, left, left == NOWHERE)", Every),
+    ("emit", "write_row(e, 2u, v, net[r], r)", "write_row(e, 2u, u, net[r], r)", Every),
+    ("rows", "let to = place(e, c) *", "let to = place(e, c + 1u) *", Every),
     ("rows", "* POINTS + r * COLUMNS;", "* POINTS + r * ROWS;", Degrees),
+    ("rows", "if lives(e, c) {", "if lives(e, c + 1u) {", Every),
     ("rows", "next_nets[to + level] = line[0];", "next_nets[to + level] = line[1];", Every),
-    ("rows", "c + level + 1u < COLUMNS", "c + level + 2u < COLUMNS", Every),
-    ("rows", "(line[c] + line[c + 1u]) * 0.5", "(line[c] * 0.5 + line[c + 1u]) * 0.5", Degrees),
-    ("rows", "select(left, right, split)", "select(right, left, split)", Every),
+    ("rows", "k + level + 1u < COLUMNS", "k + level + 2u < COLUMNS", Every),
+    ("rows", "(line[k] + line[k + 1u]) * 0.5", "(line[k] * 0.5 + line[k + 1u]) * 0.5", Degrees),
+    ("rows", "select(c, c + 1u, split)", "select(c + 1u, c, split)", Every),
+    ("rows", "if lives(e, last)", "if lives(e, c)", Every),
+    ("rows", "place(e, last)", "place(e, c)", Every),
 ];
 
 const CHILDREN: &[Mutant] = &[
@@ -163,7 +165,7 @@ const CHILDREN: &[Mutant] = &[
     ("children", "word & 3u", "word & 1u", Every),
     ("children", "end > extent.capacity", "end >= extent.capacity", Every),
     ("children", "(1u << c) - 1u)", "(2u << c) - 1u)", Every),
-    ("children", "(live & (1u << c)) == 0u", "(live & (2u << c)) == 0u", Every),
+    ("children", "(e.live & (1u << c)) != 0u", "(e.live & (2u << c)) != 0u", Every),
     ("children", "c >> 1u, c & 1u)", "c & 1u, c >> 1u)", Every),
     ("children", "atomicStore(&status.too_deep, 1u)", "atomicStore(&status.too_deep, 0u)", Deep),
     ("halving", "let bc = (p1 + p2) * 0.5", "let bc = (p1 + p2) * 0.25", Every),
@@ -183,8 +185,8 @@ const POINTS: &[Mutant] = &[
     ("emit_by_point", "let net = local & ~15u;", "let net = 0u;", Every),
     ("emit_by_point", "workgroupBarrier();\n  let c = net + column;", "let c = net + column;", Every),
     ("emit_by_point", "points[c + 4u], points[c + 8u]", "points[c + 8u], points[c + 4u]", Every),
-    ("emit_by_point", "case 3u: { write_child(e.rule, 3u", "case 3u: { write_child(e.rule, 2u", Every),
-    ("emit_by_point", "write_point(at3, k, of_second_half", "write_point(at3, k, of_first_half", Every),
+    ("emit_by_point", "case 3u: { write_child(e, 3u", "case 3u: { write_child(e, 2u", Every),
+    ("emit_by_point", "write_point(e, 3u, k, of_second_half", "write_point(e, 3u, k, of_first_half", Every),
     ("emit_by_point", "let column = k & 3u;", "let column = k & 1u;", Every),
     ("extent", "id.y * groups.x", "id.y * groups.y", Wide),
 ];
@@ -203,7 +205,7 @@ const LINES: &[Mutant] = &[
     ("emit_by_line", "/ WORKGROUP * NETS + slot", "/ WORKGROUP + slot", Degrees),
     ("emit_by_line", "if slot < NETS && i", "if i", Degrees),
     ("emit_by_line", "let begin = slot * 2u * POINTS;", "let begin = slot * POINTS;", Degrees),
-    ("emit_by_line", "e.live != 0u && k < COLUMNS", "e.live != 0u && k < ROWS", Degrees),
+    ("emit_by_line", "e.fits && k < COLUMNS", "e.fits && k < ROWS", Degrees),
     (
         "emit_by_line",
         "read_column(u, i, k, begin);\n  }\n  workgroupBarrier();",
@@ -422,7 +424,7 @@ fn every_file_has_mutants() {
             let path = entry.expect("an entry").path();
             let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
             // What measures a device derives nothing, and the picture has tests of its own.
-            let other = ["copy", "expand", "picture", "shared"].contains(&name.as_str());
+            let other = ["copy", "expand", "picture", "shared", "tessellate"].contains(&name.as_str());
             let count = all.iter().filter(|m| m.0 == name).count();
             assert!(other || count >= 2, "{} has {count} mutants", path.display());
         }

@@ -5,6 +5,8 @@
 mod device;
 mod invariants;
 mod kernels;
+#[cfg(feature = "gpu")]
+mod mutants;
 mod sets;
 
 use burgeon::cpu;
@@ -262,30 +264,44 @@ fn levels_that_cannot_be_are_refused() {
 #[test]
 fn degenerate_patches_leave_no_degenerate_triangles() {
     let mut nets = file("teapot.bpt", false);
-    nets.push(Net { degree: [3, 3], points: vec![[9.0, 9.0, 9.0, 1.0]; 16] });
-    // Two opposite sides that are points: nothing is left of an unsplit cell.
-    let lens = |i: usize, j: usize| {
-        let (u, v) = (i as f32, j as f32 - 1.5);
-        let wide = if i == 0 || i == 3 { 0.0 } else { 1.0 };
-        [u + 20.0, wide * v, wide, 1.0]
-    };
-    nets.push(Net { degree: [3, 3], points: (0..16).map(|k| lens(k / 4, k % 4)).collect() });
-    // Two neighbouring sides that are one point, each way; and all four, a bag.
-    for (low, high) in [(0, 0), (0, 3), (3, 0), (3, 3)] {
-        let fan = |i: usize, j: usize| match i == low || j == high {
-            true => [30.0 + 5.0 * (low + 2 * high) as f32, 0.0, 0.0, 1.0],
-            false => [30.0 + 5.0 * (low + 2 * high) as f32 + i as f32, j as f32, (i * j) as f32 * 0.3, 1.0],
-        };
-        nets.push(Net { degree: [3, 3], points: (0..16).map(|k| fan(k / 4, k % 4)).collect() });
-    }
-    let bag = |i: usize, j: usize| match (1..3).contains(&i) && (1..3).contains(&j) {
-        true => [80.0 + i as f32, j as f32, 4.0, 1.0],
-        false => [80.0, 0.0, 0.0, 1.0],
-    };
-    nets.push(Net { degree: [3, 3], points: (0..16).map(|k| bag(k / 4, k % 4)).collect() });
+    nets.extend(sets::degenerate());
     assert_eq!(Topology::new(&nets).report().void, 1);
     for tolerance in [10.0, 0.05] {
         checked(&nets, &Level::world(tolerance));
+    }
+}
+
+#[test]
+fn patches_that_share_no_vertices_still_meet() {
+    for (nets, tolerance) in [(file("teapot.bpt", false), 0.02), (torus(2, 3, 4), 0.2), (book(4, 1), 0.1)] {
+        let level = Level::world(tolerance);
+        let shared = tessellated(&nets, &level, &Options::default());
+        let apart = tessellated(&nets, &level, &Options { seams: true, ..Options::default() });
+        let triangles = |t: &Tessellator| -> Vec<[[u32; 3]; 3]> {
+            let mesh = t.mesh();
+            mesh.triangles().map(|t| t.map(|v| mesh.positions[v as usize].map(f32::to_bits))).collect()
+        };
+        // The same triangles, to the bit of each position, so no crack.
+        assert_eq!(triangles(&shared), triangles(&apart));
+        assert_eq!(shared.out().cells, apart.out().cells);
+        assert!(apart.status().vertices > shared.status().vertices);
+        // And each vertex is where its uv says, on the one patch of all its triangles.
+        let mesh = apart.mesh();
+        let mut roots = vec![None; mesh.positions.len()];
+        for (triangle, &cell) in mesh.triangles().zip(&apart.out().cells) {
+            let root = apart.trees().nodes[cell as usize].root as usize;
+            for v in triangle.map(|v| v as usize) {
+                assert_eq!(*roots[v].get_or_insert(root), root, "a vertex of two patches");
+                let [u, w] = mesh.uvs[v].map(f64::from);
+                let exact = nets[root].view().evaluate(u, w);
+                let off =
+                    (0..3).map(|k| (exact.position[k] - mesh.positions[v][k]).abs()).fold(0.0, f32::max);
+                assert!(off < 1e-5, "{off} off at {:?} of {root}", mesh.uvs[v]);
+                let cosine: f32 = (0..3).map(|k| exact.normal[k] * mesh.normals[v][k]).sum();
+                assert!(cosine > 0.999, "a normal of {:?} for {:?}", mesh.normals[v], exact.normal);
+            }
+        }
+        assert!(roots.iter().all(Option::is_some), "a vertex of no triangle");
     }
 }
 
@@ -323,5 +339,36 @@ proptest! {
         let tessellator = tessellated(&nets, &level, &Options::default());
         let found = check(&tessellator, &nets, None);
         prop_assert_eq!((found.characteristic, found.border_edges), (0, 0));
+    }
+
+    #[test]
+    fn random_words_are_watertight(
+        a in 1u32..4, b in 1u32..4, seed in 0u64..1000, tolerance in prop::sample::select(vec![50.0f32, 0.3]),
+        orientations in any::<u64>(),
+    ) {
+        a_word_is_watertight(a, b, seed, tolerance, orientations);
+    }
+}
+
+/// Found once: a leaf that was short along a closed curve, and at the most depth along the other direction.
+#[test]
+fn leaves_at_the_most_depth_are_split_where_edges_must_be_told_apart() {
+    a_word_is_watertight(1, 1, 742, 50.0, 0);
+}
+
+fn a_word_is_watertight(a: u32, b: u32, seed: u64, tolerance: f32, orientations: u64) {
+    let nets = reoriented(&torus(a, b, seed), orientations).0;
+    let word = sets::word(nets.len() as u32, seed);
+    let mut t = Tessellator::of_word(&nets, &word, Some(1), &Options::default()).expect("a word");
+    let level = Level { depth: 0..=7, ..Level::world(tolerance) };
+    t.run(&level.target().expect("a level"));
+    check(&t, &nets, None);
+    // Cells lie where the word has them, whatever the orientation.
+    for (node, module) in t.trees().nodes.iter().zip(&word.modules) {
+        let orientation = t.topology().orientation(node.root);
+        let corners = [node.corner(0), node.corner(3)].map(|p| orientation.uv(p).map(f64::from));
+        let [low, high] = module.cell.uv();
+        assert_eq!([0, 1].map(|k| corners[0][k].min(corners[1][k])), low);
+        assert_eq!([0, 1].map(|k| corners[0][k].max(corners[1][k])), high);
     }
 }

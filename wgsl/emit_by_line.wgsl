@@ -84,20 +84,20 @@ fn emit(
   }
   let u = (e.halves & 1u) != 0u;
   let v = (e.halves & 2u) != 0u;
-  if e.live != 0u && k < COLUMNS {
+  if e.fits && k < COLUMNS {
     read_column(u, i, k, begin);
   }
   workgroupBarrier();
-  if e.live == 0u {
+  if !e.fits {
     return;
   }
   for (var c = k; c < 4u; c += LINES) {
-    write_child(e.rule, c, m, e.halves, place(e.first, e.live, c));
+    write_child(e, c, m);
   }
   if k < ROWS {
-    write_row(v, half_row(begin, k), k, place(e.first, e.live, 0u), place(e.first, e.live, 1u));
+    write_row(e, 0u, v, half_row(begin, k), k);
     if u {
-      write_row(v, half_row(begin + POINTS, k), k, place(e.first, e.live, 2u), place(e.first, e.live, 3u));
+      write_row(e, 2u, v, half_row(begin + POINTS, k), k);
     }
   }
 }

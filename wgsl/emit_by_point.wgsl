@@ -49,9 +49,10 @@ fn of_second_half(h: Halves, k: u32) -> vec4f {
   }
 }
 
-fn write_point(at: u32, k: u32, p: vec4f) {
-  if at != NOWHERE {
-    next_nets[at * 16u + k] = p;
+// Point k of cell c.
+fn write_point(e: Emission, c: u32, k: u32, p: vec4f) {
+  if lives(e, c) {
+    next_nets[place(e, c) * 16u + k] = p;
   }
 }
 
@@ -82,35 +83,31 @@ fn emit(
   upper[local] = select(points[local], of_first_half(h, row), u);
   lower[local] = of_second_half(h, row);
   workgroupBarrier();
-  if e.live == 0u {
+  if !e.fits {
     return;
   }
-  let at0 = place(e.first, e.live, 0u);
-  let at1 = place(e.first, e.live, 1u);
-  let at2 = place(e.first, e.live, 2u);
-  let at3 = place(e.first, e.live, 3u);
   // The first four invocations of a net write the records, one each.
   switch k {
-    case 0u: { write_child(e.rule, 0u, m, e.halves, at0); }
-    case 1u: { write_child(e.rule, 1u, m, e.halves, at1); }
-    case 2u: { write_child(e.rule, 2u, m, e.halves, at2); }
-    case 3u: { write_child(e.rule, 3u, m, e.halves, at3); }
+    case 0u: { write_child(e, 0u, m); }
+    case 1u: { write_child(e, 1u, m); }
+    case 2u: { write_child(e, 2u, m); }
+    case 3u: { write_child(e, 3u, m); }
     default: {}
   }
   let r = net + row * 4u;
   if v {
     let above = halve(upper[r], upper[r + 1u], upper[r + 2u], upper[r + 3u]);
-    write_point(at0, k, of_first_half(above, column));
-    write_point(at1, k, of_second_half(above, column));
+    write_point(e, 0u, k, of_first_half(above, column));
+    write_point(e, 1u, k, of_second_half(above, column));
     if u {
       let below = halve(lower[r], lower[r + 1u], lower[r + 2u], lower[r + 3u]);
-      write_point(at2, k, of_first_half(below, column));
-      write_point(at3, k, of_second_half(below, column));
+      write_point(e, 2u, k, of_first_half(below, column));
+      write_point(e, 3u, k, of_second_half(below, column));
     }
   } else {
-    write_point(at0, k, upper[local]);
+    write_point(e, 0u, k, upper[local]);
     if u {
-      write_point(at2, k, lower[local]);
+      write_point(e, 2u, k, lower[local]);
     }
   }
 }

@@ -222,7 +222,8 @@ pub struct Devices {}
 
 #[derive(Args)]
 pub struct Bench {
-    /// Which: copy, expand, patch/step, patch/derive, scan, compact, language; all if left out
+    /// Which: copy, expand, flops, patch/step, patch/derive, scan, compact, tessellate, language; all of these if left
+    /// out; and tessellate/crowd: ten thousand copies of the patches before a moving camera
     #[arg(value_name = "NAME")]
     pub names: Vec<String>,
     /// Patches to derive from, in place of 32 made ones

@@ -2,18 +2,20 @@
 //!
 //! A 2×2 split of a net of (m + 1)(n + 1) points of 16 bytes reads it and a record of 32 bytes once
 //! and writes four times that, and does (n + 1)·m(m + 1)/2 + 2(m + 1)·n(n + 1)/2 midpoints of 4
-//! components: 0.5 flop a byte for bicubic nets, which memory bandwidth bounds, 1.2 for degree 8. Sweeps go
-//! over rows first (u, from the left), then over columns (v), always (a + b)·0.5: the same bits as
-//! the kernels. A sweep is compiled for each degree, so that a line stays in registers.
+//! components: 0.5 flop a byte for bicubic nets, which memory bandwidth bounds, 1.2 for degree 8, less the
+//! halvings that `halve` puts off. Sweeps go over rows first (u, from the left), then over columns (v): the
+//! same bits as the kernels. A sweep is compiled for each degree, so that a line stays in registers.
 
 use super::BLOCK;
 use super::program::{self, Input, Registers};
-use crate::patch::MAX_DEGREE;
+use crate::patch::{MAX_DEGREE, net_points};
 use crate::plan::code::ChildCode;
 use crate::plan::layout::Header;
 use crate::plan::tables::{Production, Stage};
 use glam::Vec4;
-use rayon::prelude::*;
+use rayon::ThreadPool;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 /// Where the children go: exactly the modules that the scan counted.
 pub struct Output<'a> {
@@ -25,8 +27,8 @@ pub struct Output<'a> {
 ///
 /// Where the growth is closed `rules` and `offsets` are not read.
 pub fn emit(
+    threads: &ThreadPool,
     stage: &Stage,
-    words_of_rules: &[u32],
     input: &Input,
     nets: &[[f32; 4]],
     rules: &[u32],
@@ -34,72 +36,83 @@ pub fn emit(
     out: Output,
 ) -> bool {
     let n = input.len();
+    let words_of_rules = stage.rule_words();
     let offset = |i: usize| match stage.closed {
         Some(growth) => i * growth as usize,
         None => offsets[i] as usize,
     };
     let (words, points) = (input.layout.record_words, input.layout.net_points());
-    // The blocks' ranges of the output are known, so each task gets its own slices.
-    let mut blocks = Vec::with_capacity(n.div_ceil(BLOCK));
+    // Of large nets a task takes fewer, so that there are enough tasks to share out.
+    let part = (BLOCK * 16 / points).clamp(1, BLOCK);
+    // The tasks' ranges of the output are known, so each gets its own slices.
+    let mut parts = Vec::with_capacity(n.div_ceil(part));
     let (mut records, mut out_nets) = (out.records, out.nets);
-    for block in 0..n.div_ceil(BLOCK) {
-        let (start, end) = (block * BLOCK, n.min((block + 1) * BLOCK));
-        let count = offset(end) - offset(start);
+    for start in (0..n).step_by(part) {
+        let modules = start..n.min(start + part);
+        let count = offset(modules.end) - offset(start);
         let (r, rest) = records.split_at_mut(count * words);
         records = rest;
         let (p, rest) = out_nets.split_at_mut(count * points);
         out_nets = rest;
-        blocks.push((block, Output { records: r, nets: p }));
+        parts.push((modules, Output { records: r, nets: p }));
     }
-    blocks
-        .into_par_iter()
-        .map_init(
-            || {
-                let registers: Vec<_> = stage.productions.iter().map(|_| Registers::default()).collect();
-                (registers, Splitter::new(input.layout.degree))
-            },
-            |(registers, splitter), (block, out)| {
-                let start = block * BLOCK;
-                let block = input.block(block);
-                let nets = &nets[start * points..][..block.len() * points];
-                let rules = match stage.closed {
-                    Some(_) => None,
-                    None => Some(&rules[start..][..block.len()]),
-                };
-                emit_block(stage, words_of_rules, &block, nets, rules, (registers, splitter), out)
-            },
-        )
-        .reduce(|| true, |a, b| a & b)
+    let workers = threads.current_num_threads().min(parts.len());
+    let parts = Mutex::new(parts.into_iter());
+    let fits = AtomicBool::new(true);
+    let work = || {
+        let mut registers: Vec<_> = stage.productions.iter().map(|_| Registers::default()).collect();
+        let mut splitter = Splitter::new(input.layout.degree);
+        loop {
+            let next = parts.lock().unwrap_or_else(PoisonError::into_inner).next();
+            let Some((modules, out)) = next else { return };
+            let nets = &nets[modules.start * points..modules.end * points];
+            let rules = match stage.closed {
+                Some(_) => None,
+                None => Some(&rules[modules.clone()]),
+            };
+            let part = input.part(modules);
+            if !emit_part(stage, &words_of_rules, &part, nets, rules, (&mut registers, &mut splitter), out) {
+                fits.store(false, Ordering::Relaxed);
+            }
+        }
+    };
+    // The calling thread is one of the workers. If it only waited, a system might put two others on one core
+    // when they wake (Linux does on two cores), and leaves them there step after step.
+    threads.in_place_scope(|scope| {
+        (1..workers).for_each(|_| scope.spawn(|_| work()));
+        work();
+    });
+    fits.into_inner()
 }
 
-fn emit_block(
+fn emit_part(
     stage: &Stage,
     words_of_rules: &[u32],
-    block: &Input,
+    part: &Input,
     nets: &[[f32; 4]],
     rules: Option<&[u32]>,
     (registers, splitter): (&mut [Registers], &mut Splitter),
     out: Output,
 ) -> bool {
-    let (words, points) = (block.layout.record_words, block.layout.net_points());
+    let (words, points) = (part.layout.record_words, part.layout.net_points());
     let rule_of = |i: usize| match rules {
         Some(rules) => rules[i] as usize,
-        None => stage.rules[stage.by_symbol[(block.record(i)[0] & 0xffff) as usize][0]].productions.start,
+        None => stage.rules[stage.by_symbol[(part.record(i)[0] & 0xffff) as usize][0]].productions.start,
     };
     let mut ready = vec![false; stage.productions.len()];
     let mut at = 0;
     let mut fits = true;
-    for i in 0..block.len() {
+    for i in 0..part.len() {
         let rule = rule_of(i);
         let word = words_of_rules[rule];
         let (halves, live) = (word & 3, word >> 4 & 15);
         let count = (word >> 8 & 7) as usize;
-        let record = block.record(i);
+        let record = part.record(i);
         let children = &mut out.records[at * words..][..count * words];
         if let Some(production) = stage.productions.get(rule) {
             let code = &stage.code.children[rule];
             if !ready[rule] {
-                program::run(&code.graph, block, &mut registers[rule]);
+                program::run(&code.graph, part, &mut registers[rule]);
                 ready[rule] = true;
             }
             fits &= write_records(production, code, &registers[rule], record, i, children);
@@ -137,24 +150,28 @@ fn write_records(
     fits
 }
 
-#[inline(always)]
-fn midpoint(a: Vec4, b: Vec4) -> Vec4 {
-    (a + b) * 0.5
-}
+/// 2⁻ⁿ.
+const HALVINGS: [f32; MAX_DEGREE as usize + 1] =
+    [1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125, 0.015625, 0.0078125, 0.00390625];
 
-/// Both halves of a Bézier curve of N points. The triangle of midpoints stands in one array: after
-/// each level its first point is the next one of the first half, and at last it is the second half.
+/// Halves a Bézier curve of N points: hands out the points of the first half, one by one with their
+/// numbers, and returns the second half. The triangle of midpoints stands in one array: after each
+/// level its first point is the next one of the first half, and at last it is the second half.
+///
+/// The halvings are put off: sums are made of sums, and each point that comes out is scaled once. A power
+/// of two scales exactly, so this changes no bit of what is not denormal; and
+/// [`MAX_COORDINATE`](crate::patch::validate::MAX_COORDINATE) keeps the sums finite.
 #[inline(always)]
-fn halve<const N: usize>(mut p: [Vec4; N]) -> [[Vec4; N]; 2] {
-    let mut first = p;
+fn halve<const N: usize>(mut p: [Vec4; N], mut first: impl FnMut(usize, Vec4)) -> [Vec4; N] {
+    first(0, p[0]);
     // Written out: of loops in loops the compiler keeps arrays in memory.
     macro_rules! level {
         ($level:literal: $($k:literal)*) => {
             if $level < N {
                 $(if $k + $level < N {
-                    p[$k] = midpoint(p[$k], p[$k + 1]);
+                    p[$k] += p[$k + 1];
                 })*
-                first[$level] = p[0];
+                first($level, p[0] * HALVINGS[$level]);
             }
         };
     }
@@ -166,47 +183,78 @@ fn halve<const N: usize>(mut p: [Vec4; N]) -> [[Vec4; N]; 2] {
     level!(6: 0 1 2);
     level!(7: 0 1);
     level!(8: 0);
-    [first, p]
+    std::array::from_fn(|k| p[k] * HALVINGS[N - 1 - k])
 }
 
-/// How the points of a net lie: those of a line are `along` apart, the lines `across`.
-#[derive(Clone, Copy)]
-struct Lines {
-    count: usize,
-    along: usize,
-    across: usize,
+/// Halves every row of a net, to its halves along v.
+type AlongV = fn(&[[f32; 4]], &mut [[f32; 4]], &mut [[f32; 4]]);
+
+fn along_v<const C: usize>(net: &[[f32; 4]], first: &mut [[f32; 4]], second: &mut [[f32; 4]]) {
+    // Arrays of a known length leave no bound to be checked.
+    let rows = net.as_chunks::<C>().0.iter();
+    let halves = first.as_chunks_mut::<C>().0.iter_mut().zip(second.as_chunks_mut::<C>().0);
+    for (row, (first, second)) in rows.zip(halves) {
+        *second = halve(row.map(Vec4::from_array), |k, p| first[k] = p.to_array()).map(|p| p.to_array());
+    }
 }
 
-/// Halves every line of a net.
-type Sweep = fn(&[[f32; 4]], Lines, &mut [[f32; 4]], &mut [[f32; 4]]);
+/// Halves every column of a net of so many columns, to its halves along u.
+type AlongU = fn(&[[f32; 4]], usize, &mut [[f32; 4]], &mut [[f32; 4]]);
 
-fn sweep<const N: usize>(net: &[[f32; 4]], lines: Lines, first: &mut [[f32; 4]], second: &mut [[f32; 4]]) {
-    let Lines { count, along, across } = lines;
-    for line in 0..count {
-        let start = line * across;
-        let [a, b] = halve::<N>(std::array::from_fn(|k| Vec4::from_array(net[start + k * along])));
-        (0..N).for_each(|k| first[start + k * along] = a[k].to_array());
-        (0..N).for_each(|k| second[start + k * along] = b[k].to_array());
+fn along_u<const R: usize>(
+    net: &[[f32; 4]],
+    columns: usize,
+    first: &mut [[f32; 4]],
+    second: &mut [[f32; 4]],
+) {
+    let points = R * columns;
+    let (net, first, second) = (&net[..points], &mut first[..points], &mut second[..points]);
+    for c in 0..columns {
+        let column = std::array::from_fn(|r| Vec4::from_array(net[r * columns + c]));
+        let last = halve::<R>(column, |r, p| first[r * columns + c] = p.to_array());
+        (0..R).for_each(|r| second[r * columns + c] = last[r].to_array());
     }
 }
 
 /// By degree, from 1.
-const SWEEPS: [Sweep; MAX_DEGREE as usize] =
-    [sweep::<2>, sweep::<3>, sweep::<4>, sweep::<5>, sweep::<6>, sweep::<7>, sweep::<8>, sweep::<9>];
+const ALONG_U: [AlongU; MAX_DEGREE as usize] = [
+    along_u::<2>,
+    along_u::<3>,
+    along_u::<4>,
+    along_u::<5>,
+    along_u::<6>,
+    along_u::<7>,
+    along_u::<8>,
+    along_u::<9>,
+];
+const ALONG_V: [AlongV; MAX_DEGREE as usize] = [
+    along_v::<2>,
+    along_v::<3>,
+    along_v::<4>,
+    along_v::<5>,
+    along_v::<6>,
+    along_v::<7>,
+    along_v::<8>,
+    along_v::<9>,
+];
 
 /// All four quarters of a small net, which stays in registers.
 type Quarters = fn(&[[f32; 4]], &mut [[f32; 4]]);
 
 fn quarters<const R: usize, const C: usize>(net: &[[f32; 4]], out: &mut [[f32; 4]]) {
-    let columns: [[[Vec4; R]; 2]; C] =
-        std::array::from_fn(|c| halve(std::array::from_fn(|r| Vec4::from_array(net[r * C + c]))));
+    let columns: [[[Vec4; R]; 2]; C] = std::array::from_fn(|c| {
+        let mut first = [Vec4::ZERO; R];
+        let column = std::array::from_fn(|r| Vec4::from_array(net[r * C + c]));
+        let second = halve(column, |r, p| first[r] = p);
+        [first, second]
+    });
     let (upper, lower) = out.split_at_mut(2 * R * C);
     for (half, out) in [upper, lower].into_iter().enumerate() {
         let (left, right) = out.split_at_mut(R * C);
         let (left, right) = (left.as_chunks_mut::<C>().0, right.as_chunks_mut::<C>().0);
         for (r, (left, right)) in left.iter_mut().zip(right).enumerate() {
-            let [a, b] = halve::<C>(std::array::from_fn(|c| columns[c][half][r]));
-            (*left, *right) = (a.map(|p| p.to_array()), b.map(|p| p.to_array()));
+            let row: [Vec4; C] = std::array::from_fn(|c| columns[c][half][r]);
+            *right = halve(row, |k, p| left[k] = p.to_array()).map(|p| p.to_array());
         }
     }
 }
@@ -221,32 +269,30 @@ const QUARTERS: [[Quarters; 3]; 3] = [
 /// Splits nets of one degree.
 struct Splitter {
     quarters: Option<Quarters>,
-    sweeps: [Sweep; 2],
-    /// The columns of a net, then its rows.
-    lines: [Lines; 2],
+    along_u: AlongU,
+    along_v: AlongV,
+    columns: usize,
     /// Both halves along u, where v is halved too, and where cells go that do not live: small enough
     /// to stay in the first cache.
     scratch: [Vec<[f32; 4]>; 4],
 }
 
 impl Splitter {
-    fn new([m, n]: [u8; 2]) -> Splitter {
-        let (rows, columns) = (m as usize + 1, n as usize + 1);
-        let down = Lines { count: columns, along: columns, across: 1 };
-        let right = Lines { count: rows, along: 1, across: columns };
-        let small = QUARTERS.get(m as usize - 1).and_then(|row| row.get(n as usize - 1));
+    fn new(degree: [u8; 2]) -> Splitter {
+        let [u, v] = degree.map(|d| d as usize - 1);
         Splitter {
-            quarters: small.copied(),
-            sweeps: [SWEEPS[m as usize - 1], SWEEPS[n as usize - 1]],
-            lines: [down, right],
-            scratch: [0; 4].map(|_| vec![[0.0; 4]; rows * columns]),
+            quarters: QUARTERS.get(u).and_then(|row| row.get(v)).copied(),
+            along_u: ALONG_U[u],
+            along_v: ALONG_V[v],
+            columns: v + 2,
+            scratch: [0; 4].map(|_| vec![[0.0; 4]; net_points(degree)]),
         }
     }
 
     /// Writes the live children of a net one after the other (K eq. 3 with reading E1: upper left
     /// L P Lᵀ, upper right L P Rᵀ, lower left R P Lᵀ, lower right R P Rᵀ).
     fn split(&mut self, net: &[[f32; 4]], halves: u32, live: u32, out: &mut [[f32; 4]]) {
-        let ([along_u, along_v], [columns, rows]) = (self.sweeps, self.lines);
+        let (along_u, along_v, columns) = (self.along_u, self.along_v, self.columns);
         let [upper, lower, nowhere, nowhere_too] = &mut self.scratch;
         if let (3, 15, Some(quarters)) = (halves, live, self.quarters) {
             return quarters(net, out);
@@ -260,13 +306,13 @@ impl Splitter {
                 }
             }
             1 => along_u(net, columns, cell(0).unwrap_or(nowhere), cell(2).unwrap_or(nowhere_too)),
-            2 => along_v(net, rows, cell(0).unwrap_or(nowhere), cell(1).unwrap_or(nowhere_too)),
+            2 => along_v(net, cell(0).unwrap_or(nowhere), cell(1).unwrap_or(nowhere_too)),
             _ => {
                 along_u(net, columns, upper, lower);
                 for (half, [left, right]) in [(upper, [0, 1]), (lower, [2, 3])] {
                     if live >> left & 3 != 0 {
                         let (left, right) = (cell(left), cell(right));
-                        along_v(half, rows, left.unwrap_or(nowhere), right.unwrap_or(nowhere_too));
+                        along_v(half, left.unwrap_or(nowhere), right.unwrap_or(nowhere_too));
                     }
                 }
             }

@@ -123,7 +123,6 @@ impl<'a> Cpu<'a> {
             self.threads.install(|| measure::measure(&stage.row, &input, nets, rational, view, attributes));
         }
         input.measured = attributes;
-        let words = stage.rule_words();
         let (total, retired, status) = match stage.closed {
             Some(growth) => (n * growth as usize, 0, Status { fired: 1, ..Status::default() }),
             None => self.threads.install(|| columns.fill(stage, &input, n, replayed)),
@@ -137,19 +136,17 @@ impl<'a> Cpu<'a> {
         }
         let mut next = take_if(total, || self.pool.take(total));
         let mut finished = take_if(retired, || self.pool.take(retired));
-        let fits = self.threads.install(|| {
-            let fits = next.as_mut().is_none_or(|next| {
-                let out = emit::Output {
-                    records: &mut next.records[..total * layout.record_words],
-                    nets: &mut next.nets[..total * layout.net_points()],
-                };
-                emit::emit(stage, &words, &input, nets, &columns.rules, &columns.offsets, out)
-            });
-            if let Some(out) = &mut finished {
-                retire::retire(&input, nets, &columns.retired, &mut out.records, &mut out.nets);
-            }
-            fits
+        let fits = next.as_mut().is_none_or(|next| {
+            let out = emit::Output {
+                records: &mut next.records[..total * layout.record_words],
+                nets: &mut next.nets[..total * layout.net_points()],
+            };
+            emit::emit(&self.threads, stage, &input, nets, &columns.rules, &columns.offsets, out)
         });
+        if let Some(out) = &mut finished {
+            let retire = || retire::retire(&input, nets, &columns.retired, &mut out.records, &mut out.nets);
+            self.threads.install(retire);
+        }
         if !fits {
             return Outcome::TooDeep;
         }

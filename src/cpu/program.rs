@@ -7,6 +7,7 @@ use crate::language::ops::Cpu;
 use crate::plan::graph::{Graph, Node};
 use crate::plan::layout::Layout;
 use crate::plan::step::Clock;
+use std::ops::Range;
 
 /// What the passes read of a chunk, beside its nets.
 #[derive(Clone, Copy)]
@@ -26,12 +27,14 @@ pub struct Input<'a> {
 impl<'a> Input<'a> {
     /// The modules of block `block`.
     pub fn block(&self, block: usize) -> Input<'a> {
+        self.part(block * BLOCK..self.len().min((block + 1) * BLOCK))
+    }
+    /// Some of the modules.
+    pub fn part(&self, modules: Range<usize>) -> Input<'a> {
         let words = self.layout.record_words;
-        let start = block * BLOCK * words;
-        let end = self.records.len().min(start + BLOCK * words);
         let row = |module: usize| (module * self.measured_words).min(self.measured.len());
-        let measured = &self.measured[row(block * BLOCK)..row((block + 1) * BLOCK)];
-        Input { records: &self.records[start..end], measured, ..*self }
+        let measured = &self.measured[row(modules.start)..row(modules.end)];
+        Input { records: &self.records[modules.start * words..modules.end * words], measured, ..*self }
     }
     /// Modules.
     pub fn len(&self) -> usize {

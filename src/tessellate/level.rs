@@ -145,12 +145,15 @@ impl Target {
     #[inline]
     pub fn by_address(&self, node: &Node, least_of_root: u32) -> Option<bool> {
         let [du, dv] = node.depth();
-        if node.is_hole() || du.max(dv) >= self.most.max(least_of_root) {
+        let (least, most) = (du.min(dv), du.max(dv));
+        if node.is_hole() || most >= MAX_DEPTH {
             Some(false)
-        } else if du.min(dv) < self.least.max(least_of_root) {
+        } else if least < least_of_root {
             Some(true)
+        } else if most >= self.most {
+            Some(false)
         } else {
-            None
+            (least < self.least).then_some(true)
         }
     }
 

@@ -36,7 +36,9 @@ enum Line {
 struct Check<'a> {
     t: &'a Tessellator,
     words: &'a [u32],
-    leaves: Vec<Vec<Node>>,
+    /// By their cells, and the shapes that occur.
+    leaves: HashMap<(u32, [u32; 2], [u32; 2]), Node>,
+    shapes: BTreeSet<[u32; 2]>,
 }
 
 impl Check<'_> {
@@ -95,13 +97,13 @@ impl Check<'_> {
         p
     }
 
-    /// The leaf that covers a lattice cell, by looking at all.
+    /// The leaf that covers a lattice cell, by trying all shapes.
     fn covering(&self, root: u32, p: [u32; 2]) -> &Node {
-        let inside = |n: &&Node| {
-            let (low, size) = (n.low(), n.size());
-            (0..2).all(|k| low[k] <= p[k] && p[k] < low[k] + size[k])
+        let of_shape = |depth: &[u32; 2]| {
+            let cell = [0, 1].map(|k| p[k] / (FULL >> depth[k]));
+            self.leaves.get(&(root, *depth, cell))
         };
-        let mut found = self.leaves[root as usize].iter().filter(inside);
+        let mut found = self.shapes.iter().filter_map(of_shape);
         let leaf = found.next().expect("a leaf covers every place");
         assert!(found.next().is_none(), "leaves overlap");
         leaf
@@ -136,14 +138,13 @@ impl Check<'_> {
 pub fn check(t: &Tessellator, nets: &[Net], tolerance: Option<f32>) -> Checked {
     let tree = t.tree();
     let words = t.topology().words();
-    let mut leaves = vec![Vec::new(); t.topology().roots()];
-    for (n, node) in tree.nodes.iter().enumerate() {
-        if tree.is_leaf(n as u32) {
-            leaves[node.root as usize].push(*node);
-        }
-    }
-    let count = leaves.iter().flatten().filter(|n| !n.is_hole()).count();
-    let check = Check { t, words, leaves };
+    let leaves = (0..tree.nodes.len()).filter(|&n| tree.is_leaf(n as u32)).map(|n| tree.nodes[n]);
+    let count = leaves.clone().filter(|n| !n.is_hole()).count();
+    let shapes = leaves.clone().map(|n| n.depth()).collect();
+    let all = leaves.clone().count();
+    let leaves: HashMap<_, _> = leaves.map(|n| ((n.root, n.depth(), [n.i, n.j]), n)).collect();
+    assert_eq!(leaves.len(), all, "two leaves of one cell");
+    let check = Check { t, words, leaves, shapes };
     let (out, mesh) = (t.out(), t.mesh());
     let mut found = Checked { leaves: count, vertices: mesh.positions.len(), ..Checked::default() };
     found.triangles = out.cells.len();

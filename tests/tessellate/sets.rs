@@ -1,7 +1,7 @@
 //! Sets of patches to tessellate.
 
 use crate::oracle::Random;
-use burgeon::patch::Net;
+use burgeon::patch::{Cell, Module, Net, Symbol, Word};
 use std::collections::HashMap;
 
 fn point(random: &mut Random, near: [f64; 3], spread: f64) -> [f32; 4] {
@@ -78,4 +78,74 @@ pub fn reoriented(nets: &[Net], choice: u64) -> (Vec<Net>, Vec<bool>) {
 /// The same for any seed.
 pub fn scrambled(nets: &[Net], seed: u64) -> (Vec<Net>, Vec<bool>) {
     reoriented(nets, seed.wrapping_mul(0x9e37_79b9_7f4a_7c15))
+}
+
+/// Patches with sides that are points, or that are but a point.
+pub fn degenerate() -> Vec<Net> {
+    let net = |point: &dyn Fn(usize, usize) -> [f32; 4]| Net {
+        degree: [3, 3],
+        points: (0..16).map(|k| point(k / 4, k % 4)).collect(),
+    };
+    let mut nets = vec![net(&|_, _| [9.0, 9.0, 9.0, 1.0])];
+    // Two opposite sides: nothing is left of an unsplit cell.
+    nets.push(net(&|i, j| {
+        let wide = if i == 0 || i == 3 { 0.0 } else { 1.0 };
+        [i as f32 + 20.0, wide * (j as f32 - 1.5), wide, 1.0]
+    }));
+    // Two neighbouring sides, each way.
+    for (low, high) in [(0, 0), (0, 3), (3, 0), (3, 3)] {
+        let at = 30.0 + 5.0 * (low + 2 * high) as f32;
+        nets.push(net(&|i, j| match i == low || j == high {
+            true => [at, 0.0, 0.0, 1.0],
+            false => [at + i as f32, j as f32, (i * j) as f32 * 0.3, 1.0],
+        }));
+    }
+    // All four: a bag.
+    nets.push(net(&|i, j| match (1..3).contains(&i) && (1..3).contains(&j) {
+        true => [80.0 + i as f32, j as f32, 4.0, 1.0],
+        false => [80.0, 0.0, 0.0, 1.0],
+    }));
+    nets
+}
+
+/// A random word over so many roots, as rules might make one: cells halved along one direction or both, and
+/// holes, which are the symbol 1.
+pub fn word(roots: u32, seed: u64) -> Word {
+    fn grow(random: &mut Random, root: u32, cell: Cell, modules: &mut Vec<Module>) {
+        let deep = u32::from(cell.du) + u32::from(cell.dv);
+        if deep < 9 && random.below(10) < 10 - deep as usize {
+            let halves = 1 + random.below(3) as u32;
+            let (su, sv) = (halves & 1, halves >> 1);
+            for c in 0..4u32 {
+                let (hu, hv) = (c >> 1, c & 1);
+                if hu <= su && hv <= sv {
+                    let next = Cell {
+                        du: cell.du + su as u8,
+                        dv: cell.dv + sv as u8,
+                        i: cell.i << su | hu,
+                        j: cell.j << sv | hv,
+                    };
+                    grow(random, root, next, modules);
+                }
+            }
+            return;
+        }
+        let symbol = usize::from(random.chance(30));
+        let key = modules.len() as u64;
+        modules.push(Module { symbol, params: Vec::new(), root, key, cell });
+    }
+    let (mut random, mut modules) = (Random::new(seed), Vec::new());
+    for root in 0..roots {
+        grow(&mut random, root, Cell::default(), &mut modules);
+    }
+    let symbol = |name: &str| Symbol { name: name.to_string(), fields: Vec::new() };
+    Word {
+        system: "random".to_string(),
+        steps: 9,
+        symbols: vec![symbol("P"), symbol("hole")],
+        degree: [3, 3],
+        rational: false,
+        modules,
+        nets: Vec::new(),
+    }
 }

@@ -5,10 +5,13 @@ struct Emission {
   rule: u32,
   // Which directions are halved: bit 0 u, bit 1 v.
   halves: u32,
-  // The cells that live, by 2·(half of u) + (half of v); none where nothing can be written.
+  // The cells that live, by 2·(half of u) + (half of v). Not changed where they do not fit, so that
+  // it stays a constant where the rule word is one, and tests of it fold away.
   live: u32,
   // Where the first of them goes.
   first: u32,
+  // Whether the children can be written.
+  fits: bool,
 }
 
 fn emission(i: u32, m: Record) -> Emission {
@@ -24,26 +27,28 @@ fn emission(i: u32, m: Record) -> Emission {
   e.halves = word & 3u;
   e.live = (word >> 4u) & 15u;
   let end = e.first + ((word >> 8u) & 7u);
+  e.fits = true;
   if end > extent.capacity {
     atomicMax(&status.needed, end);
-    e.live = 0u;
+    e.fits = false;
   } else if too_deep(m, e.halves) {
     atomicStore(&status.too_deep, 1u);
-    e.live = 0u;
+    e.fits = false;
   }
   return e;
 }
 
-// Where cell c goes, or NOWHERE if it is erased.
-fn place(first: u32, live: u32, c: u32) -> u32 {
-  if (live & (1u << c)) == 0u {
-    return NOWHERE;
-  }
-  return first + countOneBits(live & ((1u << c) - 1u));
+fn lives(e: Emission, c: u32) -> bool {
+  return (e.live & (1u << c)) != 0u;
 }
 
-fn write_child(rule: u32, c: u32, m: Record, halves: u32, at: u32) {
-  if at != NOWHERE {
-    write_record(at, with_address(successor(rule, c, m), m, halves, c >> 1u, c & 1u));
+// Where cell c goes, if it lives.
+fn place(e: Emission, c: u32) -> u32 {
+  return e.first + countOneBits(e.live & ((1u << c) - 1u));
+}
+
+fn write_child(e: Emission, c: u32, m: Record) {
+  if lives(e, c) {
+    write_record(place(e, c), with_address(successor(e.rule, c, m), m, e.halves, c >> 1u, c & 1u));
   }
 }

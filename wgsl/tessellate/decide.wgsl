@@ -75,11 +75,18 @@ fn clipped(p: vec4f, k: u32) -> f32 {
 
 fn splits(n: vec4u, was_split: bool) -> bool {
   let depth = depth_of(n);
-  let root_least = least_depth(n.x);
-  if is_hole(n) || max(depth.x, depth.y) >= max(wanted.most, root_least) {
+  let least = min(depth.x, depth.y);
+  let most = max(depth.x, depth.y);
+  if is_hole(n) || most + 1u >= LEVELS {
     return false;
   }
-  if min(depth.x, depth.y) < max(wanted.least, root_least) {
+  if least < least_depth(n.x) {
+    return true;
+  }
+  if most >= wanted.most {
+    return false;
+  }
+  if least < wanted.least {
     return true;
   }
   load_net(n.x);

@@ -68,9 +68,15 @@ fn tally(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
     let count = across_count(n, side);
     if pushes(n, side, mark, count) {
       for (var k = 0u; k < count; k++) {
-        if takes(across(n, side, k), depth[along(side)]) {
+        let to = across(n, side, k);
+        if takes(to, depth[along(side)]) {
           triangles += 1u;
-          vertices += select(2u, 0u, SHARED || !on_border(n, side));
+          if !SHARED && on_border(n, side) {
+            // Its ends on the other patch, but for the corners that are there.
+            let ends = foreign(n, side, to);
+            vertices += select(1u, 0u, has_corner(nodes[to.node], ends[0]));
+            vertices += select(1u, 0u, has_corner(nodes[to.node], ends[1]));
+          }
         }
       }
     }

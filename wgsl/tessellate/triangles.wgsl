@@ -81,14 +81,17 @@ fn triangles(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) 
       for (var k = 0u; k < count; k++) {
         let to = across(n, side, k);
         if takes(to, depth[along(side)]) {
-          let centre = number(to.node, 4u);
-          if SHARED || !on_border(n, side) {
-            let ends = foreign(n, side, to);
-            write(at, vertex_at(to.root, ends[0]), vertex_at(to.root, ends[1]), centre, to.node);
-          } else {
-            write(at, own, own + 1u, centre, to.node);
-            own += 2u;
+          let ends = foreign(n, side, to);
+          var index: array<u32, 2>;
+          for (var end = 0u; end < 2u; end++) {
+            if SHARED || !on_border(n, side) || has_corner(nodes[to.node], ends[end]) {
+              index[end] = vertex_at(to.root, ends[end]);
+            } else {
+              index[end] = own;
+              own += 1u;
+            }
           }
+          write(at, index[0], index[1], number(to.node, 4u), to.node);
           at += 1u;
         }
       }

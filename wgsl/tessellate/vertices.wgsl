@@ -220,10 +220,12 @@ fn vertices(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) g
         let to = across(n, side, k);
         if takes(to, depth[along(side)]) {
           let ends = foreign(n, side, to);
-          let symbol = symbol_of(nodes[to.node]);
-          write_vertex(at, to.root, ends[0], symbol);
-          write_vertex(at + 1u, to.root, ends[1], symbol);
-          at += 2u;
+          for (var end = 0u; end < 2u; end++) {
+            if !has_corner(nodes[to.node], ends[end]) {
+              write_vertex(at, to.root, ends[end], symbol_of(nodes[to.node]));
+              at += 1u;
+            }
+          }
         }
       }
     }

@@ -3,12 +3,16 @@
 use super::kernels::{ELEMENTS, SCAN_ELEMENTS, scan_source};
 use super::patches::{FRONTIERS, derive_case, frontier_case, last_step_case, step_case};
 use super::systems::Plans;
+use super::tessellation::{self, frame_bytes};
 use super::{Case, Failure, timed};
 use crate::command::run::of_gpu;
 use burgeon::codegen::{Mapping, Tuning};
+use burgeon::gpu::tessellate::{Capacity, Part, Tessellator};
 use burgeon::gpu::{Bandwidth, Engine, Gpu, Headless, Measure, Requirement, Scans};
 use burgeon::patch::Net;
 use burgeon::plan::Plan;
+use burgeon::tessellate::{Level, Options};
+use burgeon::wgpu;
 
 /// The device; none where there is no adapter, and then only the CPU is measured.
 pub struct Adapter(Option<Headless>);
@@ -36,6 +40,7 @@ impl Adapter {
         &self,
         plans: &'a Plans,
         roots: &[Net],
+        crowd: &[Net],
         levels: u32,
         wanted: &dyn Fn(&str) -> bool,
         cases: &mut Vec<Case<'a>>,
@@ -64,8 +69,90 @@ impl Adapter {
                 cases.push(frontier_case(plan, backend(&engine, plan)?, frontier, ("gpu", 0), of_gpu)?);
             }
         }
+        if wanted("tessellate") {
+            tessellations(&engine, roots, crowd, cases)?;
+        }
         scans(&engine, wanted, cases)
     }
+}
+
+fn tessellations<'a>(
+    engine: &Engine,
+    roots: &[Net],
+    crowd: &[Net],
+    cases: &mut Vec<Case<'a>>,
+) -> Result<(), Failure> {
+    let prepare = |nets: &[Net], level: &Level| {
+        let options = Options::default();
+        let target = level.target().map_err(|e| of_gpu(e.into()))?;
+        let mut cpu = burgeon::cpu::tessellate::Tessellator::new(nets, &options);
+        cpu.run(&target);
+        let s = *cpu.status();
+        // A moving camera wants some more.
+        let more = |n: u32| n + n / 4;
+        let room = Capacity { nodes: more(s.nodes), vertices: more(s.vertices), indices: more(s.indices) };
+        let made = Tessellator::new(engine, nets, level, &options, &room).map_err(of_gpu)?;
+        Ok::<_, Failure>((made, s))
+    };
+    let frame = |engine: &Engine, t: &mut Tessellator, part: Option<Part>| {
+        let mut encoder = engine.device().create_command_encoder(&Default::default());
+        match part {
+            None => t.encode(&mut encoder),
+            Some(part) => t.encode_part(&mut encoder, part),
+        }
+        engine.queue().submit([encoder.finish()]);
+        let lost = |_| Failure::Device("error: the device was lost".to_string());
+        engine.device().poll(wgpu::PollType::wait_indefinitely()).map(|_| ()).map_err(lost)
+    };
+    let level = Level::world(tessellation::TOLERANCE);
+    let (mut first, s) = prepare(roots, &level)?;
+    frame(engine, &mut first, None)?;
+    let (nodes, vertices, triangles) = (s.nodes.into(), s.vertices.into(), u64::from(s.indices) / 3);
+    let parts = [
+        ("a frame, items are triangles", None, frame_bytes(nodes, vertices, triangles), triangles),
+        ("refine, nodes", Some(Part::Refine), nodes * 28, nodes),
+        ("stitch, nodes", Some(Part::Stitch), nodes * 32, nodes),
+        ("vertices of 32 bytes", Some(Part::Vertices), 32 * vertices + 24 * nodes, vertices),
+        ("triangles", Some(Part::Triangles), 16 * triangles + 24 * nodes, triangles),
+    ];
+    // One set of buffers for all: a part works on what the others left.
+    let shared = std::rc::Rc::new(std::cell::RefCell::new(first));
+    for (case, part, bytes, items) in parts {
+        let (shared, engine) = (shared.clone(), engine.clone());
+        let run = move || timed(|| frame(&engine, &mut shared.borrow_mut(), part), |e| e);
+        cases.push(Case {
+            name: "tessellate",
+            case: case.to_string(),
+            backend: "gpu",
+            threads: 0,
+            bytes,
+            items,
+            run: Box::new(run),
+            times: vec![],
+        });
+    }
+    if crowd.is_empty() {
+        return Ok(());
+    }
+    let (mut t, s) = prepare(crowd, &tessellation::moving(0))?;
+    let (nodes, vertices, triangles) = (s.nodes.into(), s.vertices.into(), u64::from(s.indices) / 3);
+    let (engine, mut round) = (engine.clone(), 0);
+    let run = move || {
+        round += 1;
+        t.set_level(&tessellation::moving(round)).map_err(of_gpu)?;
+        timed(|| frame(&engine, &mut t, None), |e| e)
+    };
+    cases.push(Case {
+        name: "tessellate",
+        case: format!("{} patches, moving camera, 1 pixel", crowd.len()),
+        backend: "gpu",
+        threads: 0,
+        bytes: frame_bytes(nodes, vertices, triangles),
+        items: triangles,
+        run: Box::new(run),
+        times: vec![],
+    });
+    Ok(())
 }
 
 /// The other mappings of emit, side by side with the one that is taken.

@@ -39,6 +39,37 @@ pub(super) fn bandwidth_cases(cases: &mut Vec<Case>) {
     });
 }
 
+/// Chains of a product and a sum in four lanes, on all threads: what arithmetic gives. Items are flops.
+pub(super) fn flops_case(cases: &mut Vec<Case>) {
+    const CHAINS: usize = 8;
+    const STEPS: u32 = 1 << 20;
+    let threads = threads();
+    let chains = move || {
+        let mut sums = [glam::Vec4::ONE; CHAINS];
+        let (a, b) = (std::hint::black_box(glam::Vec4::splat(0.999)), glam::Vec4::splat(0.001));
+        for _ in 0..STEPS {
+            for sum in &mut sums {
+                *sum = *sum * a + b;
+            }
+        }
+        std::hint::black_box(sums);
+    };
+    cases.push(Case {
+        name: "flops",
+        case: "products and sums, items are flops".to_string(),
+        backend: "cpu",
+        threads,
+        bytes: 0,
+        items: threads as u64 * CHAINS as u64 * u64::from(STEPS) * 8,
+        run: Box::new(move || {
+            infallible(|| {
+                std::thread::scope(|scope| (0..threads).for_each(|_| drop(scope.spawn(chains))));
+            })
+        }),
+        times: vec![],
+    });
+}
+
 pub(super) fn infallible(work: impl FnOnce()) -> Result<Duration, Failure> {
     let start = Instant::now();
     work();

@@ -13,16 +13,28 @@ mod kernels;
 mod patches;
 mod report;
 mod systems;
+mod tessellation;
 
 use super::{Failure, flags, print};
 use gpu::Adapter;
-use kernels::{bandwidth_cases, language_cases, scan_cases};
+use kernels::{bandwidth_cases, flops_case, language_cases, scan_cases};
 use patches::{derive_cases, step_cases};
 use std::time::{Duration, Instant};
 use systems::{Plans, roots};
 
 /// The names a call may give.
-const NAMES: [&str; 7] = ["copy", "expand", "patch/step", "patch/derive", "scan", "compact", "language"];
+const NAMES: [&str; 10] = [
+    "copy",
+    "expand",
+    "flops",
+    "patch/step",
+    "patch/derive",
+    "scan",
+    "compact",
+    "tessellate",
+    "tessellate/crowd",
+    "language",
+];
 
 /// Counted rounds.
 const ROUNDS: usize = 7;
@@ -94,10 +106,21 @@ pub fn bench(flags: &flags::Bench) -> Result<(), Failure> {
         scan_cases(&mut cases);
         cases.retain(|c| wanted(c.name));
     }
+    // The crowd takes a minute and a gigabyte, so it must be asked for.
+    let crowd = match flags.names.iter().any(|n| n == "tessellate/crowd") {
+        true => tessellation::crowd(&roots),
+        false => Vec::new(),
+    };
+    let tessellate = wanted("tessellate") || !crowd.is_empty();
+    if tessellate {
+        flops_case(&mut cases);
+        tessellation::cpu_cases(&roots, &crowd, &mut cases)?;
+    }
+    let wanted = |name: &str| wanted(name) || (name == "tessellate" && tessellate);
     if wanted("language") {
         language_cases(&mut cases);
     }
-    adapter.cases(&plans, &roots, flags.levels, &wanted, &mut cases)?;
+    adapter.cases(&plans, &roots, &crowd, flags.levels, &wanted, &mut cases)?;
     for round in 0..=ROUNDS {
         for case in &mut cases {
             let time = (case.run)()?;

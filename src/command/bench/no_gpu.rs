@@ -18,6 +18,7 @@ impl Adapter {
         &self,
         _: &Plans,
         _: &[Net],
+        _: &[Net],
         _: u32,
         _: &dyn Fn(&str) -> bool,
         _: &mut Vec<Case>,

@@ -187,6 +187,7 @@ impl Tessellator {
         self.refine(target);
         self.stitch();
         self.dice();
+        self.connect();
     }
 
     /// The same while cells, vertices and triangles take no more than about `max_bytes`, and `stop` is not
@@ -259,15 +260,20 @@ impl Tessellator {
         finish::finish(&self.trees, &mut self.status, &mut self.draw);
     }
 
-    /// Vertices and triangles, of trees that stand: after other control points, too.
+    /// Vertices, of trees that stand: after other control points, too.
     pub fn dice(&mut self) {
+        let mut out = std::mem::take(&mut self.out.vertices);
+        out.resize(self.status.vertices as usize * self.format.stride() as usize / 4, 0);
+        vertices::vertices(&self.patches(), &self.tree(), &self.trees, &self.format, &mut out);
+        self.out.vertices = out;
+    }
+
+    /// Triangles, of trees that stand.
+    pub fn connect(&mut self) {
         let mut out = std::mem::take(&mut self.out);
-        let tree = self.tree();
-        out.vertices.resize(self.status.vertices as usize * self.format.stride() as usize / 4, 0);
         out.indices.resize(self.status.indices as usize, 0);
         out.cells.resize(self.status.indices as usize / 3, 0);
-        vertices::vertices(&self.patches(), &tree, &self.trees, &self.format, &mut out.vertices);
-        triangles::triangles(&tree, &self.trees, &mut out.indices, &mut out.cells);
+        triangles::triangles(&self.tree(), &self.trees, &mut out.indices, &mut out.cells);
         self.out = out;
     }
 

@@ -29,7 +29,7 @@ pub fn tally(
                 *mark |= tree.owned(node, *mark);
                 tree.triangles(node, *mark, |triangle| {
                     *triangles += 1;
-                    *vertices += extra(tree, node, triangle);
+                    *vertices += extra(tree, node, triangle).map(u32::from).iter().sum::<u32>();
                 });
                 *vertices += (*mark >> OWNS & 15).count_ones() + u32::from(*mark & FAN != 0);
             }
@@ -38,11 +38,15 @@ pub fn tally(
     marks
 }
 
-/// Vertices that a triangle brings of its own: where patches do not share them, the two ends of a side
-/// that is pushed to another patch.
-pub fn extra(tree: &Tree, node: u32, triangle: Triangle) -> u32 {
+/// Which of its first two vertices a triangle brings of its own: where patches do not share them, the ends
+/// of a side that is pushed to another patch, but for those at the corners of the leaf there.
+pub fn extra(tree: &Tree, node: u32, triangle: Triangle) -> [bool; 2] {
     match triangle {
-        Triangle::Pushed { side, .. } if !tree.shared && on_border(&tree.nodes[node as usize], side) => 2,
-        _ => 0,
+        Triangle::Pushed { side, to } if !tree.shared && on_border(&tree.nodes[node as usize], side) => {
+            let ends = tree.foreign(&tree.nodes[node as usize], side, to);
+            let of = &tree.nodes[to.node as usize];
+            ends.map(|p| !(0..4).any(|c| of.corner(c) == p))
+        }
+        _ => [false; 2],
     }
 }

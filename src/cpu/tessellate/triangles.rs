@@ -30,11 +30,14 @@ pub fn triangles(tree: &Tree, trees: &Trees, indices: &mut [u32], cells: &mut [u
                 + u32::from(marks & FAN != 0);
             tree.triangles(node, marks, |triangle| {
                 let (corners, cell) = tree.corners(node, triangle);
-                let mut index = corners.map(|corner| index(tree, trees, corner));
-                if extra(tree, node, triangle) > 0 {
-                    (index[0], index[1]) = (own, own + 1);
-                    own += 2;
-                }
+                let extra = extra(tree, node, triangle);
+                let mut index: [u32; 3] = std::array::from_fn(|k| match extra.get(k) {
+                    Some(true) => {
+                        own += 1;
+                        own - 1
+                    }
+                    _ => index(tree, trees, corners[k]),
+                });
                 if tree.orientation(tree.nodes[cell as usize].root).mirrors() {
                     index.swap(1, 2);
                 }

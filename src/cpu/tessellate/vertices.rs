@@ -76,14 +76,11 @@ fn each(patches: &Patches, tree: &Tree, node: u32, marks: u32, mut see: impl FnM
     }
     if !tree.shared {
         tree.triangles(node, marks, |triangle| {
-            if extra(tree, node, triangle) > 0 {
-                let ([a, b, _], of) = tree.corners(node, triangle);
-                let symbol = tree.nodes[of as usize].symbol();
-                for corner in [a, b] {
-                    if let Corner::At { root, p } = corner {
-                        let net = patches.control(root, tree.orientation(root));
-                        see(tree.vertex(patches, &net, root, p, symbol));
-                    }
+            let (corners, of) = tree.corners(node, triangle);
+            for (corner, own) in corners.into_iter().zip(extra(tree, node, triangle)) {
+                if let (true, Corner::At { root, p }) = (own, corner) {
+                    let net = patches.control(root, tree.orientation(root));
+                    see(tree.vertex(patches, &net, root, p, tree.nodes[of as usize].symbol()));
                 }
             }
         });

@@ -197,7 +197,8 @@ impl Tessellator {
     pub fn set_level(&mut self, level: &Level) -> Result<(), Error> {
         self.target = level.target()?;
         self.engine.queue.write_buffer(&self.buffers.target, 0, bytemuck::bytes_of(&self.target));
-        self.levels = (self.target.most.max(self.least) + 1).min(LEVELS);
+        // Leaves of a word that are short along one direction may be split beyond the most.
+        self.levels = (self.target.most + self.least + 1).min(LEVELS);
         Ok(())
     }
 
@@ -235,24 +236,44 @@ impl Tessellator {
     fn record(&mut self, pass: &mut wgpu::ComputePass) {
         if self.frozen {
             // The children that stand are those of the frame before.
-            let g = &self.groups[1 - self.turn];
-            return self.one(pass, Pass::Vertices, &g.vertices, ALL, Workgroups::Last);
+            return self.part(pass, Part::Vertices, 1 - self.turn);
         }
-        let g = &self.groups[self.turn];
-        for level in 0..self.levels {
-            self.one(pass, Pass::Decide, &g.decide, level, Workgroups::Nodes);
-            self.scan(pass, &g.scan[0], level);
-            self.one(pass, Pass::Split, &g.split, level, Workgroups::Nodes);
-            self.one(pass, Pass::Advance, &g.advance, level, Workgroups::One);
+        for part in PARTS {
+            self.part(pass, part, self.turn);
         }
-        self.one(pass, Pass::Mark, &g.mark, ALL, Workgroups::Nodes);
-        self.one(pass, Pass::Tally, &g.tally, ALL, Workgroups::Nodes);
-        self.scan(pass, &g.scan[0], ALL);
-        self.scan(pass, &g.scan[1], ALL);
-        self.one(pass, Pass::Finish, &g.finish, ALL, Workgroups::One);
-        self.one(pass, Pass::Vertices, &g.vertices, ALL, Workgroups::Last);
-        self.one(pass, Pass::Triangles, &g.triangles, ALL, Workgroups::Last);
         self.turn = 1 - self.turn;
+    }
+
+    /// Records a part of a frame by itself, over what the parts before it left: to measure it.
+    pub fn encode_part(&self, encoder: &mut wgpu::CommandEncoder, part: Part) {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("burgeon part of a tessellation"),
+            timestamp_writes: None,
+        });
+        self.part(&mut pass, part, 1 - self.turn);
+    }
+
+    fn part(&self, pass: &mut wgpu::ComputePass, part: Part, turn: usize) {
+        let g = &self.groups[turn];
+        match part {
+            Part::Refine => {
+                for level in 0..self.levels {
+                    self.one(pass, Pass::Decide, &g.decide, level, Workgroups::Nodes);
+                    self.scan(pass, &g.scan[0], level);
+                    self.one(pass, Pass::Split, &g.split, level, Workgroups::Nodes);
+                    self.one(pass, Pass::Advance, &g.advance, level, Workgroups::One);
+                }
+            }
+            Part::Stitch => {
+                self.one(pass, Pass::Mark, &g.mark, ALL, Workgroups::Nodes);
+                self.one(pass, Pass::Tally, &g.tally, ALL, Workgroups::Nodes);
+                self.scan(pass, &g.scan[0], ALL);
+                self.scan(pass, &g.scan[1], ALL);
+                self.one(pass, Pass::Finish, &g.finish, ALL, Workgroups::One);
+            }
+            Part::Vertices => self.one(pass, Pass::Vertices, &g.vertices, ALL, Workgroups::Last),
+            Part::Triangles => self.one(pass, Pass::Triangles, &g.triangles, ALL, Workgroups::Last),
+        }
     }
 
     fn one(
@@ -342,8 +363,8 @@ impl Tessellator {
         let status: Status = reading::read(e, doing, &b.status, size_of::<Status>() as u64)?[0];
         let ranges: Vec<u32> = reading::read(e, doing, &b.ranges, b.ranges.size())?;
         let draw: DrawArgs = reading::read(e, doing, &b.draw, size_of::<DrawArgs>() as u64)?[0];
-        let nodes = u64::from(ranges[(u64::from(ALL) * SLOT / 4) as usize]);
-        let indices = u64::from(draw.index_count);
+        let nodes = u64::from(ranges[(u64::from(ALL) * SLOT / 4) as usize]).min(b.nodes.size() / 16);
+        let indices = u64::from(draw.index_count).min(b.indices.size() / 4);
         let vertices = match status.skipped {
             0 => u64::from(status.vertices) * self.format().stride(),
             _ => b.vertices.size(),
@@ -365,6 +386,20 @@ impl Tessellator {
         })
     }
 }
+
+/// A part of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// The trees: decide, scan, split and advance, level by level.
+    Refine,
+    /// Who owns which vertex and makes which triangle: mark, tally, scan, finish.
+    Stitch,
+    Vertices,
+    Triangles,
+}
+
+/// All parts, in order.
+pub const PARTS: [Part; 4] = [Part::Refine, Part::Stitch, Part::Vertices, Part::Triangles];
 
 /// Workgroups of a dispatch.
 #[derive(Clone, Copy)]

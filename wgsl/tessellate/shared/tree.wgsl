@@ -256,6 +256,13 @@ fn takes(a: Across, own: u32) -> bool {
   return a.depth < own && !is_hole(nodes[a.node]);
 }
 
+// Whether a point is a corner of a cell.
+fn has_corner(n: vec4u, p: vec2u) -> bool {
+  let low = low_of(n);
+  let high = low + size_of(n);
+  return (p.x == low.x || p.x == high.x) && (p.y == low.y || p.y == high.y);
+}
+
 // The ends of a side as points of the root across it, in the order in which its leaf runs round.
 fn foreign(n: vec4u, side: u32, to: Across) -> array<vec2u, 2> {
   let c = along(side);

@@ -1,0 +1,199 @@
+//! The tests, tested: every kernel of a tessellation broken on purpose must show against the CPU.
+
+use super::device::{ROOM, camera, difference, submit};
+use super::{file, sets, tessellated};
+use crate::device;
+use burgeon::codegen::Edit;
+use burgeon::cpu::tessellate::Tessellator as Cpu;
+use burgeon::gpu::Engine;
+use burgeon::gpu::tessellate::{Capacity, Tessellator};
+use burgeon::tessellate::{Level, Options};
+
+/// How a mutant is looked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Check {
+    /// The teapot in one orientation each, with sides that are points, in two frames, packed.
+    Roots,
+    /// A word of holes and of unequal halvings on a torus; patches that share no vertices.
+    Word,
+    /// Pixels of a camera that stands inside.
+    Pixels,
+    /// Frames that remember the one before.
+    Frames,
+    /// Room that ends.
+    Room,
+    /// Rational nets.
+    Rational,
+}
+
+use Check::*;
+
+/// File, text, what stands in its place, and the check that must see it.
+type Mutant = (&'static str, &'static str, &'static str, Check);
+
+const MUTANTS: &[Mutant] = &[
+    ("decide", "k >= range.count", "k + 1u >= range.count", Roots),
+    ("decide", "marks[i] = 0u", "marks[i] |= 0u", Frames),
+    ("decide", "least < least_depth(n.x)", "least < 0u", Roots),
+    ("decide", "least < wanted.least", "least < 0u", Pixels),
+    ("decide", "select(wanted.tolerance, wanted.keep, was_split)", "wanted.tolerance", Frames),
+    ("decide", "range.level == 0u", "true", Frames),
+    ("decide", "(n.z >> (level - 1u)) & 1u) != 0u", "(n.z >> (level - 1u)) & 1u) == 0u", Roots),
+    ("decide", "net[at] + net[at - 1u]", "net[at] + net[at]", Roots),
+    ("decide", "select(0u, 2u, x > w)", "0u", Pixels),
+    ("decide", "return crosses ||", "return ", Pixels),
+    ("decide", "y * wanted.half_size.y", "y * wanted.half_size.x", Pixels),
+    ("bound", "2.0 * m * n * xy", "m * n * xy", Roots),
+    ("bound", "xx = max(xx,", "xx = min(xx,", Roots),
+    ("bound", "+ r * abs(d.w)", "", Rational),
+    ("bound", "least = min(least, p.w)", "least = max(least, p.w)", Pixels),
+    ("split", "first + 4u > sizes.nodes", "first > sizes.nodes", Room),
+    ("split", "known + c", "known", Frames),
+    ("split", "children[i] = LEAF;", "", Frames),
+    ("advance", "min(splits, room)", "splits", Room),
+    ("advance", "if turn.level > 0u", "if turn.level > 1u", Room),
+    ("lattice", "(n.z << 1u) | (c & 1u)", "(n.z << 1u) | (c >> 1u)", Roots),
+    ("lattice", "size_of(n) >> vec2u(1u)", "size_of(n) >> vec2u(2u)", Roots),
+    ("lattice", "side == 0u || side == 3u", "side == 0u || side == 2u", Roots),
+    ("topology", "FULL - t", "FULL - t - 1u", Roots),
+    ("topology", "any(x) && any(y)", "all(x) && any(y)", Roots),
+    ("topology", ">> (16u + side)", ">> (17u + side)", Roots),
+    ("tree", "place & ~(size - 1u)", "place", Roots),
+    ("tree", "select(1u, 0u, turn == ((k & 1u) == 0u))", "select(1u, 0u, (k & 1u) != 0u)", Word),
+    ("tree", "select(border, border - 1u, (side & 1u) == 0u)", "border", Roots),
+    ("tree", "if a.depth == own {", "if a.depth > own {", Roots),
+    ("tree", "a.depth < own && !is_hole(nodes[a.node])", "a.depth < own", Word),
+    ("tree", "(n.y & 0xffffu) == shape", "true", Word),
+    ("tree", "p.x == low.x || p.x == high.x", "p.x == low.x", Word),
+    ("mark", "a.depth < depth[along(side)]", "a.depth <= depth[along(side)]", Roots),
+    ("mark", "1u << a.side", "1u << side", Roots),
+    ("tally", "seen = seen || !is_hole(nodes[found.node])", "seen = true", Word),
+    ("tally", "found.node == i && found.corner == corner", "found.node == i", Roots),
+    ("tally", "has_corner(nodes[to.node], ends[0])", "false", Word),
+    ("finish", "vertices <= sizes.vertices", "vertices < sizes.vertices", Room),
+    ("finish", "status[7] += 1u", "status[7] = 1u", Frames),
+    ("control", "COLUMNS - 1u - b", "b", Roots),
+    ("surface", "if size > noise", "if size >= 0.0 * noise", Roots),
+    ("surface", "rest >= FULL", "rest > FULL", Roots),
+    ("surface", "position * du.w", "0.0 * position", Rational),
+    ("vertices", "product_of(other, n) < 0.0", "product_of(other, n) > 2.0", Roots),
+    ("vertices", "entry != ((root << 2u) | corner)", "true", Roots),
+    ("vertices", "select(p, p.yx, (orientation & 4u) != 0u)", "p", Roots),
+    ("vertices", "if n.z >= 0.0", "if n.z >= -2.0", Frames),
+    ("vertices", "to.root, ends[end], symbol", "to.root, ends[1u - end], symbol", Word),
+    ("triangles", "select(b, c, turn)", "b", Roots),
+    ("triangles", "own += 1u", "own += 2u", Word),
+    ("triangles", "number(to.node, 4u)", "number(to.node, 3u)", Roots),
+];
+
+impl Check {
+    /// The difference between CPU and GPU, if there is one.
+    fn run(self, engine: &Engine) -> Option<String> {
+        let compare = |nets: &[_], levels: &[Level], options: &Options| {
+            let mut cpu = Cpu::new(nets, options);
+            let mut gpu = Tessellator::new(engine, nets, &levels[0], options, &ROOM).expect("a set");
+            levels.iter().find_map(|level| {
+                cpu.run(&level.target().expect("a level"));
+                gpu.set_level(level).expect("a level");
+                difference(&cpu, &submit(engine, &mut gpu))
+            })
+        };
+        let [whole, packed, _] = super::kernels::formats();
+        let shared = |format| Options { format, seams: false };
+        match self {
+            Roots => {
+                let nets = sets::scrambled(&file("teapot.bpt", false), 5).0;
+                let whole = &shared(whole);
+                compare(&nets, &[Level::world(0.05), Level::world(10.0)], whole)
+                    .or_else(|| compare(&sets::degenerate(), &[Level::world(10.0)], whole))
+                    .or_else(|| compare(&sets::book(5, 3), &[Level::world(0.05)], whole))
+            }
+            Rational => {
+                let levels = [0.1, 0.03, 0.01, 0.003].map(Level::world);
+                compare(&file("sphere.bpt", true), &levels, &shared(whole))
+                    .or_else(|| compare(&file("torus.bpt", true), &levels, &shared(whole)))
+            }
+            Pixels => {
+                let levels = [[0.3, 1.2, 0.1], [3.0, 2.0, 2.5]]
+                    .map(|eye| Level { depth: 1..=7, ..Level::pixels(1.0, camera(eye)) });
+                compare(&file("teapot.bpt", false), &levels, &shared(whole))
+            }
+            Frames => {
+                let level = |tolerance| Level { hysteresis: 0.5, ..Level::world(tolerance) };
+                let levels = [0.02, 0.03, 0.2, 0.02, 0.5, 0.8, 1.2].map(level);
+                compare(&file("teapot.bpt", false), &levels, &shared(packed))
+            }
+            Word => {
+                let (nets, options) = (sets::torus(2, 1, 3), Options { format: whole, seams: true });
+                let level = Level { depth: 0..=7, ..Level::world(0.3) };
+                [9, 10, 11].into_iter().find_map(|seed| {
+                    let word = sets::word(nets.len() as u32, seed);
+                    let mut cpu = Cpu::of_word(&nets, &word, Some(1), &options).expect("a word");
+                    cpu.run(&level.target().expect("a level"));
+                    let gpu = Tessellator::of_word(engine, &nets, &word, Some(1), &level, &options, &ROOM);
+                    difference(&cpu, &submit(engine, &mut gpu.expect("a word")))
+                })
+            }
+            Room => {
+                let (nets, options) = (sets::torus(3, 3, 11), shared(whole));
+                let level = Level::world(0.1);
+                let cpu = tessellated(&nets, &level, &options);
+                let exact = Capacity::of(cpu.status());
+                let room = Capacity { nodes: exact.nodes - 4, ..exact };
+                let mut gpu = Tessellator::new(engine, &nets, &level, &options, &exact).expect("a set");
+                let first = difference(&cpu, &submit(engine, &mut gpu));
+                let mut gpu = Tessellator::new(engine, &nets, &level, &options, &room).expect("a set");
+                let s = submit(engine, &mut gpu).status;
+                let wrong = s.nodes != exact.nodes || s.node_capacity != room.nodes;
+                let few = super::device::try_closed(engine, &mut gpu, room.nodes);
+                // Nine roots are split, and there is room for the children of one.
+                let least = Capacity { nodes: 13, ..exact };
+                let mut gpu = Tessellator::new(engine, &nets, &level, &options, &least).expect("a set");
+                let known = submit(engine, &mut gpu).status.nodes;
+                let known = (known != 45).then(|| format!("{known} nodes after one level of 9 roots"));
+                first.or_else(|| wrong.then(|| format!("{s:?} for {exact:?}"))).or(few).or(known)
+            }
+        }
+    }
+}
+
+fn path_of(file: &str) -> String {
+    let inner = format!("wgsl/tessellate/shared/{file}.wgsl");
+    if std::path::Path::new(&inner).exists() { inner } else { format!("wgsl/tessellate/{file}.wgsl") }
+}
+
+#[test]
+fn every_mutant_of_a_tessellation_is_seen() {
+    let Some(headless) = device::headless() else { return };
+    let engine = Engine::new(&headless.device, &headless.queue);
+    let mut wrong = Vec::new();
+    for check in [Roots, Word, Pixels, Frames, Room, Rational] {
+        assert_eq!(check.run(&engine), None, "{check:?} without a mutant");
+    }
+    for &(file, find, replace, check) in MUTANTS {
+        let path = path_of(file);
+        let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path}: {e}"));
+        if !text.contains(find) {
+            wrong.push(format!("{path} has no `{find}` any more"));
+            continue;
+        }
+        let mutant = engine.clone().with_edit(Edit { file, find, replace });
+        match check.run(&mutant) {
+            None => wrong.push(format!("{file}: `{find}` → `{replace}` is not seen by {check:?}")),
+            Some(difference) => println!("{file}: `{find}` → `{replace}`: {difference}"),
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn every_file_has_mutants() {
+    for folder in ["wgsl/tessellate", "wgsl/tessellate/shared"] {
+        for entry in std::fs::read_dir(folder).expect("the kernels") {
+            let path = entry.expect("an entry").path();
+            let name = path.file_stem().expect("a name").to_string_lossy().into_owned();
+            let count = MUTANTS.iter().filter(|m| m.0 == name).count();
+            assert!(path.is_dir() || count >= 1, "{name} has no mutant");
+        }
+    }
+}
