@@ -105,7 +105,7 @@ fn a_tessellation_keeps_to_its_budget_and_stops() {
     assert_eq!(t.run_within(&target, u64::MAX, &stop), Err(Error::Stopped));
     assert!(t.out().indices.is_empty() && t.trees().nodes.is_empty());
     t.run_within(&target, 1 << 30, &go).expect("room");
-    assert_eq!(t.out(), tessellated(&nets, &Level::world(0.01), &Options::default()).out());
+    assert!(t.out() == tessellated(&nets, &Level::world(0.01), &Options::default()).out());
     let endless = Level { depth: 23..=23, ..Level::world(1.0) }.target().expect("a level");
     assert!(matches!(t.run_within(&endless, 1 << 25, &go), Err(Error::Memory { .. })));
 }

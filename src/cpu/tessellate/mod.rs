@@ -185,6 +185,10 @@ impl Tessellator {
     /// Makes the trees, then vertices and triangles.
     pub fn run(&mut self, target: &Target) {
         self.refine(target);
+        self.after_refining();
+    }
+
+    fn after_refining(&mut self) {
         self.stitch();
         self.dice();
         self.connect();
@@ -208,8 +212,7 @@ impl Tessellator {
             (self.status, self.draw) = (Status::default(), DrawArgs::default());
             return Err(e);
         }
-        self.stitch();
-        self.dice();
+        self.after_refining();
         Ok(())
     }
 
