@@ -157,12 +157,12 @@ impl Target {
         }
     }
 
-    /// Whether a cell with these control points is split.
+    /// Whether a cell with these control points is split. In pixels they are left as the camera sees them.
     #[inline]
-    pub fn splits(&self, mut net: Control, rational: bool, was_split: bool) -> bool {
+    pub fn splits(&self, net: &mut Control, rational: bool, was_split: bool) -> bool {
         let limit = if was_split { self.keep } else { self.tolerance };
         if self.pixels == 0 {
-            return bound::error(&net, rational) > limit;
+            return bound::error(net, rational) > limit;
         }
         let points = net.rows * net.columns;
         let [mut left, mut right, mut below, mut above, mut behind] = [true; 5];
@@ -181,7 +181,7 @@ impl Target {
             return false;
         }
         // What the near plane cuts has no size in the picture, however small it is.
-        crosses || bound::error(&net, true) > limit
+        crosses || bound::error(net, true) > limit
     }
 
     /// x, y and w in clip space.

@@ -41,21 +41,43 @@ pub struct Control {
     pub rows: usize,
     pub columns: usize,
     pub points: [Vec4; MOST * MOST],
+    /// The root.
+    root: u32,
+    /// Below so much of a derivative's length a product of two is rounding.
+    noise: f32,
+}
+
+impl Default for Control {
+    /// Of no root.
+    fn default() -> Control {
+        Control { rows: 0, columns: 0, points: [Vec4::ZERO; MOST * MOST], root: NOWHERE, noise: 0.0 }
+    }
 }
 
 impl Patches<'_> {
     /// The canonical net of a root.
-    #[inline]
     pub fn control(&self, root: u32, orientation: Orientation) -> Control {
+        let mut net = Control::default();
+        self.load(&mut net, root, orientation);
+        net
+    }
+
+    /// The same, in the place of another; nothing is done where it is there already.
+    #[inline]
+    pub fn load(&self, net: &mut Control, root: u32, orientation: Orientation) {
+        if net.root == root {
+            return;
+        }
         let [rows, columns] = self.degree.map(|d| d as usize + 1);
         let n = rows * columns;
-        let net = &self.nets[root as usize * n..][..n];
-        let mut points = [Vec4::ZERO; MOST * MOST];
+        let points = &self.nets[root as usize * n..][..n];
         let order = &self.orders[orientation.0 as usize];
-        for (point, &at) in points.iter_mut().zip(order) {
-            *point = Vec4::from_array(net[at]);
+        let mut far = 0.0f32;
+        for (point, &at) in net.points.iter_mut().zip(order) {
+            *point = Vec4::from_array(points[at]);
+            far = far.max(point.truncate().abs().max_element() / point.w);
         }
-        Control { rows, columns, points }
+        (net.rows, net.columns, net.root, net.noise) = (rows, columns, root, NOISE * far);
     }
 }
 
@@ -69,12 +91,17 @@ pub struct Sample {
 
 impl Control {
     /// The point at a lattice point.
-    #[inline]
     pub fn position(&self, p: [u32; 2]) -> Vec3 {
+        self.position_of(p, self.sample(p.map(|x| x as f32 / FULL as f32)).position)
+    }
+
+    /// The same, where it is known what it would be inside.
+    #[inline]
+    fn position_of(&self, p: [u32; 2], inside: Vec3) -> Vec3 {
         let position = match (side_at(p[0], 0), side_at(p[1], 1)) {
             (Some(side), _) => project(self.on_side(side, p[along(side)])),
             (_, Some(side)) => project(self.on_side(side, p[along(side)])),
-            _ => self.sample(p.map(|x| x as f32 / FULL as f32)).position,
+            _ => inside,
         };
         // +0 for −0: which of them comes depends on the way along the curve.
         position + Vec3::ZERO
@@ -133,13 +160,6 @@ impl Control {
         }
     }
 
-    /// The largest coordinate in space.
-    #[inline]
-    fn extent(&self) -> f32 {
-        let all = &self.points[..self.rows * self.columns];
-        all.iter().fold(0.0, |far, &p| project(p).abs().max_element().max(far))
-    }
-
     /// Point, derivatives and unit normal S_x × S_y at a lattice point. Where the product is nothing but
     /// rounding (a collapsed side, a cusp) it is that of a point a little towards the middle, and (0, 0, 1) where
     /// the surface is a curve or a point.
@@ -148,7 +168,7 @@ impl Control {
         let at = p.map(|x| x as f32 / FULL as f32);
         let sample = self.sample(at);
         let product = cross(sample.du, sample.dv);
-        let noise = NOISE * self.extent();
+        let noise = self.noise;
         if let Some(normal) = direction(product, noise * length(sample.du) + noise * length(sample.dv)) {
             return (normal, sample);
         }
@@ -241,15 +261,17 @@ fn sum(points: &[Vec4; MOST * MOST], rows: usize, columns: usize, u: f32, v: f32
     Sample { position, du: slope(du), dv: slope(dv) }
 }
 
-/// The control points of a cell, in place of those of its root: halved along x as often as it was, then
-/// along y.
+/// The control points of a cell, written over `cell`: those of its root, halved along x as often as it was,
+/// then along y.
 #[inline]
-pub fn restrict(net: &mut Control, node: &Node) {
-    let (rows, columns) = (net.rows, net.columns);
+pub fn restrict(root: &Control, node: &Node, cell: &mut Control) {
+    let (rows, columns) = (root.rows, root.columns);
+    (cell.rows, cell.columns) = (rows, columns);
+    cell.points[..rows * columns].copy_from_slice(&root.points[..rows * columns]);
     let [du, dv] = node.depth();
     match (rows, columns) {
-        (4, 4) => keep_halves(&mut net.points, [4, 4], [du, dv], [node.i, node.j]),
-        _ => keep_halves(&mut net.points, [rows, columns], [du, dv], [node.i, node.j]),
+        (4, 4) => keep_halves(&mut cell.points, [4, 4], [du, dv], [node.i, node.j]),
+        _ => keep_halves(&mut cell.points, [rows, columns], [du, dv], [node.i, node.j]),
     }
 }
 
@@ -291,16 +313,26 @@ impl Tree<'_> {
         orientation_of(self.topology, root)
     }
 
-    /// The vertex at a lattice point of a root with the canonical net `net`. Where patches share it, its normal is
-    /// the mean of theirs, each turned to the side of the first.
-    pub fn vertex(&self, patches: &Patches, net: &Control, root: u32, p: [u32; 2], symbol: u32) -> Vertex {
+    /// The vertex at a lattice point of a root. Where patches share it, its normal is the mean of theirs, each
+    /// turned to the side of the first. Two nets are kept from call to call: vertices of one root follow each other.
+    pub fn vertex(
+        &self,
+        patches: &Patches,
+        [net, spare]: &mut [Control; 2],
+        root: u32,
+        p: [u32; 2],
+        symbol: u32,
+    ) -> Vertex {
         let orientation = self.orientation(root);
+        patches.load(net, root, orientation);
         let (normal, sample) = net.normal(p);
         let mut normal = if orientation.mirrors() { -normal } else { normal };
         if self.shared {
             let mut sum = normal;
             self.others(root, p, |r, q| {
-                let (other, _) = patches.control(r, self.orientation(r)).normal(q);
+                patches.load(spare, r, self.orientation(r));
+                let (other, _) = spare.normal(q);
+                let other = if self.orientation(r).mirrors() { -other } else { other };
                 sum += if dot(other, normal) < 0.0 { -other } else { other };
             });
             let length = length(sum);
@@ -313,7 +345,7 @@ impl Tree<'_> {
         let length = length(across);
         let tangent = if length > 0.0 { across / length } else { beside(normal) };
         Vertex {
-            position: net.position(p),
+            position: net.position_of(p, sample.position),
             normal,
             tangent: [tangent.x, tangent.y, tangent.z, 1.0],
             uv: orientation.uv(p),

@@ -30,40 +30,43 @@ struct Target {
 @group(0) @binding(7) var<storage, read_write> counts: array<u32>;
 @group(0) @binding(8) var<storage, read_write> marks: array<u32>;
 
-// Keeps one half of each column.
+// Keeps one half of each column. Both are made, so that no invocation waits for others that keep the other one.
 fn halve_columns(upper: bool) {
-  for (var level = 1u; level < ROWS; level++) {
-    for (var k = 0u; k + 1u < ROWS; k++) {
-      if k + level < ROWS {
-        for (var c = 0u; c < COLUMNS; c++) {
-          if upper {
-            let at = k * COLUMNS + c;
-            net[at] = (net[at] + net[at + COLUMNS]) * 0.5;
-          } else {
-            let at = (ROWS - 1u - k) * COLUMNS + c;
-            net[at] = (net[at] + net[at - COLUMNS]) * 0.5;
-          }
+  for (var c = 0u; c < COLUMNS; c++) {
+    var p: array<vec4f, ROWS>;
+    var first: array<vec4f, ROWS>;
+    for (var r = 0u; r < ROWS; r++) {
+      p[r] = net[r][c];
+    }
+    for (var level = 0u; level < ROWS; level++) {
+      first[level] = p[0];
+      for (var r = 0u; r + 1u < ROWS; r++) {
+        if r + level + 1u < ROWS {
+          p[r] = (p[r] + p[r + 1u]) * 0.5;
         }
       }
+    }
+    for (var r = 0u; r < ROWS; r++) {
+      net[r][c] = select(first[r], p[r], upper);
     }
   }
 }
 
 // Keeps one half of each row.
 fn halve_rows(upper: bool) {
-  for (var level = 1u; level < COLUMNS; level++) {
-    for (var k = 0u; k + 1u < COLUMNS; k++) {
-      if k + level < COLUMNS {
-        for (var r = 0u; r < ROWS; r++) {
-          if upper {
-            let at = r * COLUMNS + k;
-            net[at] = (net[at] + net[at + 1u]) * 0.5;
-          } else {
-            let at = r * COLUMNS + COLUMNS - 1u - k;
-            net[at] = (net[at] + net[at - 1u]) * 0.5;
-          }
+  for (var r = 0u; r < ROWS; r++) {
+    var p = net[r];
+    var first: array<vec4f, COLUMNS>;
+    for (var level = 0u; level < COLUMNS; level++) {
+      first[level] = p[0];
+      for (var c = 0u; c + 1u < COLUMNS; c++) {
+        if c + level + 1u < COLUMNS {
+          p[c] = (p[c] + p[c + 1u]) * 0.5;
         }
       }
+    }
+    for (var c = 0u; c < COLUMNS; c++) {
+      net[r][c] = select(first[c], p[c], upper);
     }
   }
 }
@@ -103,15 +106,17 @@ fn splits(n: vec4u, was_split: bool) -> bool {
   // Outside by one plane of the picture's frustum: left, right, below, above, behind.
   var outside = 31u;
   var crosses = false;
-  for (var k = 0u; k < POINTS; k++) {
-    let p = net[k];
-    let x = clipped(p, 0u);
-    let y = clipped(p, 1u);
-    let w = clipped(p, 3u);
-    outside &= select(0u, 1u, x < -w) | select(0u, 2u, x > w) | select(0u, 4u, y < -w) | select(0u, 8u, y > w)
-      | select(0u, 16u, w < wanted.near);
-    crosses = crosses || w < wanted.near;
-    net[k] = vec4f(x * wanted.half_size.x, y * wanted.half_size.y, 0.0, w);
+  for (var r = 0u; r < ROWS; r++) {
+    for (var c = 0u; c < COLUMNS; c++) {
+      let p = net[r][c];
+      let x = clipped(p, 0u);
+      let y = clipped(p, 1u);
+      let w = clipped(p, 3u);
+      outside &= select(0u, 1u, x < -w) | select(0u, 2u, x > w) | select(0u, 4u, y < -w) | select(0u, 8u, y > w)
+        | select(0u, 16u, w < wanted.near);
+      crosses = crosses || w < wanted.near;
+      net[r][c] = vec4f(x * wanted.half_size.x, y * wanted.half_size.y, 0.0, w);
+    }
   }
   if outside != 0u {
     return false;

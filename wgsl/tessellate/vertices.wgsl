@@ -56,56 +56,28 @@ fn octahedral(n: vec3f) -> vec2f {
   return (vec2f(1.0) - abs(p.yx)) * select(vec2f(-1.0), vec2f(1.0), p >= vec2f(0.0));
 }
 
-// The unit normal of the file's patch.
-fn facing(root: u32, p: vec2u) -> vec3f {
-  load_net(root);
-  let n = normal_at(p).normal;
-  return select(n, -n, mirrors(root));
+// The same point as one of patch k of those that share it, and its root: k = 0 is the one that is asked.
+struct Place {
+  root: u32,
+  p: vec2u,
+  // The entry of the patch that is asked, which comes again among the others.
+  again: bool,
 }
 
-fn towards(n: vec3f, other: vec3f) -> vec3f {
-  return select(other, -other, product_of(other, n) < 0.0);
-}
-
-// The mean of the normals of all patches that share the vertex, each turned to the side of the first.
-fn shared_normal(root: u32, p: vec2u, own: vec3f) -> vec3f {
-  let a = around(root, p);
-  if a.kind == INNER {
-    return own;
+fn place_of(a: Around, k: u32) -> Place {
+  if k == 0u {
+    return Place(a.root, a.p, false);
   }
-  var sum = own;
-  let entries = entry_count(a.record);
+  let entry = entry_at(a.record, k - 1u);
   if a.kind == CURVE {
-    for (var k = 0u; k < entries; k++) {
-      let entry = entry_at(a.record, k);
-      let r = entry >> 3u;
-      let side = (entry >> 1u) & 3u;
-      if r != root || side != a.side {
-        let t = turned(a.t, (entry & 1u) != 0u);
-        let end = (side & 1u) * FULL;
-        let q = select(vec2u(t, end), vec2u(end, t), side < 2u);
-        sum += towards(own, facing(r, q));
-      }
-    }
-  } else {
-    let x = side_at(p.x, 0u);
-    let y = side_at(p.y, 1u);
-    var corner = (x & 1u) | ((y & 1u) << 1u);
-    if x == NOWHERE || y == NOWHERE {
-      corner = side_corner(a.side, 0u);
-    }
-    for (var k = 0u; k < entries; k++) {
-      let entry = entry_at(a.record, k);
-      if entry != ((root << 2u) | corner) {
-        sum += towards(own, facing(entry >> 2u, vec2u(entry & 1u, (entry >> 1u) & 1u) * FULL));
-      }
-    }
+    let root = entry >> 3u;
+    let side = (entry >> 1u) & 3u;
+    let t = turned(a.t, (entry & 1u) != 0u);
+    let end = (side & 1u) * FULL;
+    return Place(root, select(vec2u(t, end), vec2u(end, t), side < 2u), root == a.root && side == a.side);
   }
-  let size = length_of(sum);
-  if size > 0.0 {
-    return sum / size;
-  }
-  return own;
+  let corner = vec2u(entry & 1u, (entry >> 1u) & 1u);
+  return Place(entry >> 2u, corner * FULL, entry == ((a.root << 2u) | a.corner));
 }
 
 // Some unit vector at right angles to a unit vector.
@@ -117,9 +89,33 @@ fn at_right_angles(n: vec3f) -> vec3f {
 
 fn write_vertex(v: u32, root: u32, p: vec2u, symbol: u32) {
   let orientation = orientation_of(root);
-  load_net(root);
-  let found = normal_at(p);
-  let position = position_at(p, found.sample.position);
+  let a = around(root, p);
+  // The mean of the normals of all patches that share the vertex, each turned to the side of the first.
+  var patches = 1u;
+  if SHARED && (NORMAL != 0u || TANGENT != 0u) && a.kind != INNER {
+    patches = 1u + entry_count(a.record);
+  }
+  var own = vec3f(0.0);
+  var sum = vec3f(0.0);
+  var position = vec3f(0.0);
+  var along_x = vec3f(0.0);
+  var along_y = vec3f(0.0);
+  for (var k = 0u; k < patches; k++) {
+    let place = place_of(a, k);
+    if place.again {
+      continue;
+    }
+    load_net(place.root);
+    let found = normal_at(place.p);
+    let n = select(found.normal, -found.normal, mirrors(place.root));
+    if k == 0u {
+      own = n;
+      position = position_at(p, found.sample.position);
+      along_x = found.sample.du;
+      along_y = found.sample.dv;
+    }
+    sum += select(n, -n, product_of(n, own) < 0.0);
+  }
   let at = outputs.position.x + v * outputs.position.y;
   if POSITION_SNORM {
     let share = (position - outputs.middle.xyz) / outputs.extent.xyz;
@@ -131,9 +127,10 @@ fn write_vertex(v: u32, root: u32, p: vec2u, symbol: u32) {
     put(at + 2u, position.z);
   }
   if NORMAL != 0u || TANGENT != 0u {
-    var normal = select(found.normal, -found.normal, mirrors(root));
-    if SHARED {
-      normal = shared_normal(root, p, normal);
+    let total = length_of(sum);
+    var normal = own;
+    if patches > 1u && total > 0.0 {
+      normal = sum / total;
     }
     let at = outputs.normal.x + v * outputs.normal.y;
     if NORMAL == 1u {
@@ -144,7 +141,7 @@ fn write_vertex(v: u32, root: u32, p: vec2u, symbol: u32) {
       vertex_words[at] = snorm16(octahedral(normal));
     }
     if TANGENT != 0u {
-      var u = select(found.sample.du, found.sample.dv, (orientation & 4u) != 0u);
+      var u = select(along_x, along_y, (orientation & 4u) != 0u);
       u = select(u, -u, (orientation & 1u) != 0u);
       var tangent = u - normal * product_of(normal, u);
       let size = length_of(tangent);
@@ -198,16 +195,17 @@ fn vertices(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) g
   let n = nodes[i];
   let mark = marks[i];
   var at = offsets[i];
-  // The corners in order, then the centre.
-  for (var c = 0u; c < 5u; c++) {
-    if ((mark >> (OWNS + c)) & 1u) != 0u {
-      var p = centre_of(n);
-      if c < 4u {
-        p = corner_of(n, c);
-      }
-      write_vertex(at, n.x, p, symbol_of(n));
-      at += 1u;
+  // The corners in order, then the centre; each invocation its own next, since most leaves own but one.
+  var rest = (mark >> OWNS) & 31u;
+  while rest != 0u {
+    let c = firstTrailingBit(rest);
+    rest &= rest - 1u;
+    var p = centre_of(n);
+    if c < 4u {
+      p = corner_of(n, c);
     }
+    write_vertex(at, n.x, p, symbol_of(n));
+    at += 1u;
   }
   if SHARED {
     return;

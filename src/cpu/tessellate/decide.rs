@@ -6,7 +6,7 @@
 use super::{BLOCK, Trees};
 use crate::tessellate::lattice::{NOWHERE, Node};
 use crate::tessellate::level::Target;
-use crate::tessellate::surface::{self, Patches};
+use crate::tessellate::surface::{self, Control, Patches};
 use crate::tessellate::topology::{least_depth, orientation_of};
 use crate::tessellate::tree::LEAF;
 use rayon::prelude::*;
@@ -20,20 +20,21 @@ pub fn decide(
     trees: &mut Trees,
 ) {
     let (nodes, before) = (&trees.nodes[trees.level..], &trees.before[trees.level..]);
-    let splits = |node: &Node, before: u32| {
+    let splits = |[root, cell]: &mut [Control; 2], node: &Node, before: u32| {
         if let Some(splits) = target.by_address(node, least_depth(topology, node.root)) {
             return splits;
         }
-        let mut net = patches.control(node.root, orientation_of(topology, node.root));
-        surface::restrict(&mut net, node);
+        patches.load(root, node.root, orientation_of(topology, node.root));
+        surface::restrict(root, node, cell);
         let was_split = before != NOWHERE && children_before[before as usize] != LEAF;
-        target.splits(net, patches.rational, was_split)
+        target.splits(cell, patches.rational, was_split)
     };
     trees.counts.resize(nodes.len(), 0);
     let blocks = nodes.par_chunks(BLOCK).zip(before.par_chunks(BLOCK));
-    trees.counts.par_chunks_mut(BLOCK).zip(blocks).for_each(|(counts, (nodes, before))| {
+    let nets = || [Control::default(), Control::default()];
+    trees.counts.par_chunks_mut(BLOCK).zip(blocks).for_each_init(nets, |nets, (counts, (nodes, before))| {
         for ((count, node), &before) in counts.iter_mut().zip(nodes).zip(before) {
-            *count = u32::from(splits(node, before));
+            *count = u32::from(splits(nets, node, before));
         }
     });
 }

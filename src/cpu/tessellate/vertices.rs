@@ -6,7 +6,7 @@
 use super::tally::extra;
 use super::{BLOCK, Trees};
 use crate::tessellate::passes::{Corner, FAN, OWNS};
-use crate::tessellate::surface::Patches;
+use crate::tessellate::surface::{Control, Patches};
 use crate::tessellate::tree::Tree;
 use crate::tessellate::vertex::{self, Format};
 use rayon::prelude::*;
@@ -38,10 +38,11 @@ pub fn vertices(patches: &Patches, tree: &Tree, trees: &Trees, format: &Format, 
         }
         blocks.push((start..end, parts));
     }
-    blocks.into_par_iter().for_each(|(nodes, mut parts)| {
+    let nets = || [Control::default(), Control::default()];
+    blocks.into_par_iter().for_each_init(nets, |nets, (nodes, mut parts)| {
         let mut at = 0;
         for node in nodes {
-            each(patches, tree, node as u32, trees.marks[node], |vertex| {
+            each(patches, tree, node as u32, trees.marks[node], nets, |vertex| {
                 let (words, counts) = vertex.words(format);
                 if let [(stride, part)] = parts.as_mut_slice() {
                     part[at * *stride..][..*stride].copy_from_slice(&words[..*stride]);
@@ -60,18 +61,24 @@ pub fn vertices(patches: &Patches, tree: &Tree, trees: &Trees, format: &Format, 
 }
 
 /// The vertices of a leaf, in order.
-fn each(patches: &Patches, tree: &Tree, node: u32, marks: u32, mut see: impl FnMut(vertex::Vertex)) {
+fn each(
+    patches: &Patches,
+    tree: &Tree,
+    node: u32,
+    marks: u32,
+    nets: &mut [Control; 2],
+    mut see: impl FnMut(vertex::Vertex),
+) {
     if !tree.is_leaf(node) {
         return;
     }
     let cell = &tree.nodes[node as usize];
     if marks & (15 << OWNS | FAN) != 0 {
-        let net = patches.control(cell.root, tree.orientation(cell.root));
         for corner in (0..4).filter(|c| marks >> (OWNS + c) & 1 != 0) {
-            see(tree.vertex(patches, &net, cell.root, cell.corner(corner), cell.symbol()));
+            see(tree.vertex(patches, nets, cell.root, cell.corner(corner), cell.symbol()));
         }
         if marks & FAN != 0 {
-            see(tree.vertex(patches, &net, cell.root, cell.centre(), cell.symbol()));
+            see(tree.vertex(patches, nets, cell.root, cell.centre(), cell.symbol()));
         }
     }
     if !tree.shared {
@@ -79,8 +86,7 @@ fn each(patches: &Patches, tree: &Tree, node: u32, marks: u32, mut see: impl FnM
             let (corners, of) = tree.corners(node, triangle);
             for (corner, own) in corners.into_iter().zip(extra(tree, node, triangle)) {
                 if let (true, Corner::At { root, p }) = (own, corner) {
-                    let net = patches.control(root, tree.orientation(root));
-                    see(tree.vertex(patches, &net, root, p, tree.nodes[of as usize].symbol()));
+                    see(tree.vertex(patches, nets, root, p, tree.nodes[of as usize].symbol()));
                 }
             }
         });

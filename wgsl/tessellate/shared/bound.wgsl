@@ -12,15 +12,17 @@ fn error_bound(projective: bool) -> f32 {
   var high = vec3f(-3.4e38);
   var least = 3.4e38;
   var far = 0.0;
-  for (var k = 0u; k < POINTS; k++) {
-    let p = net[k];
-    if projective {
-      low = min(low, p.xyz / p.w);
-      high = max(high, p.xyz / p.w);
-      least = min(least, p.w);
+  for (var i = 0u; i < ROWS; i++) {
+    for (var j = 0u; j < COLUMNS; j++) {
+      let p = net[i][j];
+      if projective {
+        low = min(low, p.xyz / p.w);
+        high = max(high, p.xyz / p.w);
+        least = min(least, p.w);
+      }
+      let a = abs(p.xyz);
+      far = max(far, max(a.x, max(a.y, a.z)));
     }
-    let a = abs(p.xyz);
-    far = max(far, max(a.x, max(a.y, a.z)));
   }
   var middle = vec3f(0.0);
   var r = 0.0;
@@ -33,17 +35,16 @@ fn error_bound(projective: bool) -> f32 {
   var yy = 0.0;
   for (var i = 0u; i < ROWS; i++) {
     for (var j = 0u; j < COLUMNS; j++) {
-      let k = i * COLUMNS + j;
       if i + 2u < ROWS {
-        let d = (net[k + 2u * COLUMNS] + net[k]) - 2.0 * net[k + COLUMNS];
+        let d = (net[i + 2u][j] + net[i][j]) - 2.0 * net[i + 1u][j];
         xx = max(xx, difference_size(d, middle, r));
       }
       if i + 1u < ROWS && j + 1u < COLUMNS {
-        let d = (net[k] + net[k + COLUMNS + 1u]) - (net[k + 1u] + net[k + COLUMNS]);
+        let d = (net[i][j] + net[i + 1u][j + 1u]) - (net[i][j + 1u] + net[i + 1u][j]);
         xy = max(xy, difference_size(d, middle, r));
       }
       if j + 2u < COLUMNS {
-        let d = (net[k + 2u] + net[k]) - 2.0 * net[k + 1u];
+        let d = (net[i][j + 2u] + net[i][j]) - 2.0 * net[i][j + 1u];
         yy = max(yy, difference_size(d, middle, r));
       }
     }

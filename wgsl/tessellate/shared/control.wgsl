@@ -1,22 +1,17 @@
 // A root's control points in its canonical orientation: tessellate/surface.rs.
+//
+// Rows and columns are indices of their own and loops run over all of each, so that drivers unroll them and keep
+// the net in registers.
 
-var<private> net: array<vec4f, POINTS>;
+var<private> net: array<array<vec4f, COLUMNS>, ROWS>;
 
 // Where point (r, c) of the canonical net stands in the file's: tessellate/orientation.rs.
 fn place_in_file(orientation: u32, r: u32, c: u32) -> u32 {
-  var a = r;
-  var b = c;
-  if (orientation & 4u) != 0u {
-    a = c;
-    b = r;
-  }
-  if (orientation & 1u) != 0u {
-    a = ROWS - 1u - a;
-  }
-  if (orientation & 2u) != 0u {
-    b = COLUMNS - 1u - b;
-  }
-  return a * COLUMNS + b;
+  let turn = (orientation & 4u) != 0u;
+  let a = select(r, c, turn);
+  let b = select(c, r, turn);
+  return select(a, ROWS - 1u - a, (orientation & 1u) != 0u) * COLUMNS
+    + select(b, COLUMNS - 1u - b, (orientation & 2u) != 0u);
 }
 
 fn load_net(root: u32) {
@@ -24,7 +19,7 @@ fn load_net(root: u32) {
   let base = root * POINTS;
   for (var r = 0u; r < ROWS; r++) {
     for (var c = 0u; c < COLUMNS; c++) {
-      net[r * COLUMNS + c] = nets[base + place_in_file(orientation, r, c)];
+      net[r][c] = nets[base + place_in_file(orientation, r, c)];
     }
   }
 }

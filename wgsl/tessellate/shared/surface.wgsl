@@ -49,7 +49,7 @@ fn sample(uv: vec2f) -> Sample {
     var value = vec4f(0.0);
     var slope = vec4f(0.0);
     for (var r = 0u; r < ROWS; r++) {
-      let p = net[r * COLUMNS + c];
+      let p = net[r][c];
       value += u.w[r] * p;
       slope += u.d[r] * p;
     }
@@ -63,27 +63,21 @@ fn sample(uv: vec2f) -> Sample {
 
 // The point at t / FULL of a side, by midpoints alone: read either way it has the same bits.
 fn on_side(side: u32, at: u32) -> vec4f {
-  var first = 0u;
-  var each = 1u;
-  var count = COLUMNS;
-  if side == 1u {
-    first = (ROWS - 1u) * COLUMNS;
-  } else if side > 1u {
-    first = select(0u, COLUMNS - 1u, side == 3u);
-    each = COLUMNS;
-    count = ROWS;
-  }
+  let count = select(ROWS, COLUMNS, side < 2u);
   var curve: array<vec4f, LINES>;
-  for (var k = 0u; k < LINES; k++) {
-    if k < count {
-      curve[k] = net[first + k * each];
+  for (var c = 0u; c < COLUMNS; c++) {
+    curve[c] = select(net[0][c], net[ROWS - 1u][c], side == 1u);
+  }
+  if side > 1u {
+    for (var r = 0u; r < ROWS; r++) {
+      curve[r] = select(net[r][0], net[r][COLUMNS - 1u], side == 3u);
     }
   }
   if at == 0u {
     return curve[0];
   }
   if at == FULL {
-    return curve[count - 1u];
+    return select(net[ROWS - 1u][COLUMNS - 1u], select(net[0][COLUMNS - 1u], net[ROWS - 1u][0], side == 2u), (side & 1u) == 0u);
   }
   // Halve, and keep the half where t lies; at last it is the point between the two.
   var rest = at;
@@ -99,7 +93,8 @@ fn on_side(side: u32, at: u32) -> vec4f {
       }
     } else {
       for (var level = 1u; level < LINES; level++) {
-        for (var k = LINES - 1u; k > 0u; k--) {
+        for (var j = 0u; j + 1u < LINES; j++) {
+          let k = LINES - 1u - j;
           if k < count && k >= level {
             curve[k] = (curve[k] + curve[k - 1u]) * 0.5;
           }
@@ -139,9 +134,12 @@ struct Normal {
 // The unit normal, of a point a little towards the middle where the product is nothing but rounding.
 fn normal_at(p: vec2u) -> Normal {
   var far = 0.0;
-  for (var k = 0u; k < POINTS; k++) {
-    let a = abs(net[k].xyz / net[k].w);
-    far = max(far, max(a.x, max(a.y, a.z)));
+  for (var r = 0u; r < ROWS; r++) {
+    for (var c = 0u; c < COLUMNS; c++) {
+      let p = net[r][c];
+      let a = abs(p.xyz);
+      far = max(far, max(a.x, max(a.y, a.z)) / p.w);
+    }
   }
   let noise = NOISE * far;
   let at = vec2f(p) / f32(FULL);

@@ -25,6 +25,8 @@ struct Around {
   // Along the curve.
   t: u32,
   side: u32,
+  // Of the root, where the point is one.
+  corner: u32,
   count: u32,
 }
 
@@ -110,6 +112,7 @@ fn around(root: u32, p: vec2u) -> Around {
     corner = side_corner(a.side, 0u);
   }
   a.kind = POINT;
+  a.corner = corner;
   a.record = point_at(root, corner);
   a.count = entry_count(a.record);
   return a;
