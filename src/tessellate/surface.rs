@@ -126,8 +126,8 @@ impl Control {
             _ => (self.columns - 1, self.columns, self.rows),
         };
         let mut curve = [Vec4::ZERO; MOST];
-        for k in 0..n {
-            curve[k] = self.points[first + k * step];
+        for (k, point) in curve.iter_mut().enumerate().take(n) {
+            *point = self.points[first + k * step];
         }
         match t {
             0 => return curve[0],

@@ -102,6 +102,35 @@ fn cpu_and_gpu_make_the_same_mesh() {
     }
 }
 
+/// Room for nothing is made room for all, in a few frames, and the mesh is that of the CPU.
+#[test]
+fn a_mesh_is_made_once_from_a_guess_that_is_far_too_small() {
+    let Some(headless) = device::headless() else { return };
+    let engine = Engine::new(&headless.device, &headless.queue);
+    let nets = file("teapot.bpt", false);
+    let (level, options) = (Level::world(0.01), Options::default());
+    let cpu = tessellated(&nets, &level, &options).complete();
+    for room in [Capacity { nodes: 0, vertices: 0, indices: 0 }, Capacity::for_vertices(1000), ROOM] {
+        let mut gpu = Tessellator::new(&engine, &nets, &level, &options, &room).expect("a tessellator");
+        let found = gpu.complete().expect("a mesh");
+        assert!(found.status.complete());
+        assert_eq!(found.mesh.indices, cpu.mesh.indices);
+        assert_eq!((&found.sources, found.deepest), (&cpu.sources, cpu.deepest));
+        for (a, b) in found.mesh.positions.iter().zip(&cpu.mesh.positions) {
+            assert!((0..3).all(|k| (a[k] - b[k]).abs() <= 1e-6 * b[k].abs().max(1.0)), "{a:?} and {b:?}");
+        }
+        // And again, now that there is room.
+        let frames = found.status.frame;
+        assert_eq!(gpu.complete().expect("a mesh").status.frame, frames + 1);
+    }
+    let level = Level { depth: 12..=12, ..level };
+    let mut gpu = Tessellator::new(&engine, &nets, &level, &options, &ROOM).expect("a tessellator");
+    assert!(matches!(gpu.complete(), Err(Error::Binding { .. })));
+    let other = Options { format: Format { uv: None, ..Format::default() }, ..options };
+    let mut gpu = Tessellator::new(&engine, &nets, &Level::world(1.0), &other, &ROOM).expect("a tessellator");
+    assert!(matches!(gpu.complete(), Err(Error::Format)));
+}
+
 #[test]
 fn words_are_the_same_on_cpu_and_gpu() {
     let Some(headless) = device::headless() else { return };

@@ -19,10 +19,33 @@ use crate::tessellate::surface::{self, Patches};
 use crate::tessellate::tree::Tree;
 use crate::tessellate::vertex::Format;
 use crate::tessellate::word::{self, Table};
-use crate::tessellate::{Mesh, Options, Topology};
+use crate::tessellate::{Complete, Mesh, Options, Topology, mesh_of};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Nodes that one task of a pass works on.
 pub const BLOCK: usize = 256;
+
+/// The most cells that [`Tessellator::run_within`] makes: so many have triangles that 32 bits still count.
+pub const MOST_NODES: u64 = 1 << 28;
+
+/// About what a cell takes, with its share of vertices and triangles, which a [`Mesh`] has once more.
+pub const BYTES_A_NODE: u64 = 160;
+
+/// Why a tessellation was given up.
+#[derive(Clone, Debug, thiserror::Error, PartialEq, Eq)]
+pub enum Error {
+    #[error(
+        "{nodes} cells take about {} bytes; the memory budget is {budget} bytes: take a larger tolerance, \
+         fewer halvings, or raise it",
+        nodes * BYTES_A_NODE
+    )]
+    Memory { nodes: u64, budget: u64 },
+    #[error("{nodes} cells are more than {MOST_NODES}; take a larger tolerance or fewer halvings")]
+    Nodes { nodes: u64 },
+    #[error("the tessellation was stopped")]
+    Stopped,
+}
 
 /// Trees, vertices and triangles of a set of patches. Vectors are kept from frame to frame.
 pub struct Tessellator {
@@ -162,24 +185,58 @@ impl Tessellator {
     /// Makes the trees, then vertices and triangles.
     pub fn run(&mut self, target: &Target) {
         self.refine(target);
+        self.after_refining();
+    }
+
+    fn after_refining(&mut self) {
         self.stitch();
         self.dice();
         self.connect();
     }
 
+    /// The same while cells, vertices and triangles take no more than about `max_bytes`, and `stop` is not
+    /// set: both are looked at from level to level of the trees.
+    ///
+    /// # Errors
+    /// When it was given up; then there is nothing, as before the first run.
+    pub fn run_within(&mut self, target: &Target, max_bytes: u64, stop: &AtomicBool) -> Result<(), Error> {
+        let room = |nodes: u64| match nodes {
+            _ if stop.load(Ordering::Relaxed) => Err(Error::Stopped),
+            _ if nodes > MOST_NODES => Err(Error::Nodes { nodes }),
+            _ if nodes > max_bytes / BYTES_A_NODE => Err(Error::Memory { nodes, budget: max_bytes }),
+            _ => Ok(()),
+        };
+        if let Err(e) = self.refine_while(target, room) {
+            (self.trees, self.out) = (Trees::default(), Out::default());
+            self.children_before.clear();
+            (self.status, self.draw) = (Status::default(), DrawArgs::default());
+            return Err(e);
+        }
+        self.after_refining();
+        Ok(())
+    }
+
     /// The trees.
     pub fn refine(&mut self, target: &Target) {
+        let Ok(()) = self.refine_while::<std::convert::Infallible>(target, |_| Ok(()));
+    }
+
+    /// The trees, asking before each level whether there may be so many nodes.
+    fn refine_while<E>(&mut self, target: &Target, may_be: impl Fn(u64) -> Result<(), E>) -> Result<(), E> {
         let mut t = std::mem::take(&mut self.trees);
         std::mem::swap(&mut t.children, &mut self.children_before);
         t.begin(&self.start, !self.children_before.is_empty());
         while t.level < t.nodes.len() {
             decide::decide(&self.patches(), self.topology.words(), target, &self.children_before, &mut t);
+            let split: u64 = t.counts.par_iter().map(|&count| u64::from(count)).sum();
+            may_be(t.nodes.len() as u64 + 4 * split)?;
             t.offsets.resize(t.counts.len() + 1, 0);
             scan(&t.counts, &mut t.offsets);
             split::split(&self.children_before, &mut t);
             advance::advance(&mut t);
         }
         self.trees = t;
+        Ok(())
     }
 
     /// Who owns which vertex and makes which triangle.
@@ -229,13 +286,15 @@ impl Tessellator {
     /// When the format is not [`Format::default`].
     pub fn mesh(&self) -> Mesh {
         assert_eq!(self.format, Format::default(), "the format of a mesh");
-        let vertices: &[[f32; 8]] = bytemuck::cast_slice(&self.out.vertices);
-        Mesh {
-            positions: vertices.iter().map(|v| [v[0], v[1], v[2]]).collect(),
-            normals: vertices.iter().map(|v| [v[3], v[4], v[5]]).collect(),
-            uvs: vertices.iter().map(|v| [v[6], v[7]]).collect(),
-            indices: self.out.indices.clone(),
-        }
+        mesh_of(&self.out.vertices, self.out.indices.clone())
+    }
+
+    /// The mesh, and which leaf each triangle comes from.
+    ///
+    /// # Panics
+    /// When the format is not [`Format::default`].
+    pub fn complete(&self) -> Complete {
+        Complete::new(self.mesh(), &self.trees.nodes, &self.out.cells, self.status)
     }
 }
 

@@ -3,8 +3,12 @@
 //! Nothing is read back, waited for or allocated between frames: every count stays on the device, and the
 //! number of triangles is in the arguments of an indirect draw. Where the room runs out nothing is written past
 //! its end; how much it would have taken is told a frame or so later ([`Tessellator::status`]).
+//!
+//! Who wants a mesh on the host and no frames takes [`Tessellator::complete`], which waits, and makes room
+//! until all fits.
 
 mod buffers;
+mod complete;
 mod kernels;
 mod report;
 
