@@ -241,12 +241,13 @@ fn nearest(p: [f64; 2], t: [[f64; 2]; 3]) -> f64 {
 #[test]
 fn levels_that_cannot_be_are_refused() {
     let refused = |level: Level| level.target().expect_err("a level that cannot be").to_string();
-    for tolerance in [0.0, -1.0, f32::NAN, f32::INFINITY] {
-        assert!(refused(Level::world(tolerance)).contains("must be above 0"), "{tolerance}");
+    for tolerance in [0.0, -1.0, 1e-17, f32::NAN, f32::INFINITY] {
+        assert!(refused(Level::world(tolerance)).contains("must be 1e-16 or more"), "{tolerance}");
     }
     for depth in [RangeInclusive::new(3, 2), 0..=24, 30..=40] {
         assert!(refused(Level { depth, ..Level::world(1.0) }).contains("no range within 0 to 23"));
     }
+    assert!(refused(Level { budget: Some(0), ..Level::world(1.0) }).contains("0 triangles"));
     for hysteresis in [-0.1, 1.0, f32::NAN] {
         assert!(refused(Level { hysteresis, ..Level::world(1.0) }).contains("hysteresis"));
     }

@@ -8,6 +8,7 @@ use super::{Failure, counted, flags, output, print, say, stop};
 use burgeon::cpu::tessellate as cpu;
 use burgeon::patch::{Net, Word};
 use burgeon::tessellate::lattice::MAX_DEPTH;
+use burgeon::tessellate::level::LEAST_TOLERANCE;
 use burgeon::tessellate::{Complete, Level, Measure, Options, Topology};
 use std::time::Instant;
 
@@ -109,9 +110,6 @@ fn adapter(_: Option<&Device>) -> String {
     "CPU".to_string()
 }
 
-/// Bounds of errors square lengths, and what is shorter than this would have no square.
-const LEAST_TOLERANCE: f32 = 1e-16;
-
 /// A flag of depth that was given.
 pub fn depth_flag(flags: &flags::Fineness) -> Option<&'static str> {
     let min = flags.min_depth.map(|_| "--min-depth");
@@ -137,7 +135,7 @@ pub fn level(
             }
         },
     };
-    if measure == Measure::World && tolerance < LEAST_TOLERANCE {
+    if tolerance < LEAST_TOLERANCE {
         let what = format!(
             "a tolerance of {tolerance:e} cannot be told in single precision, {LEAST_TOLERANCE:e} can"
         );
@@ -151,7 +149,7 @@ pub fn level(
             "--min-depth {least} is more than --max-depth {most}: no depth lies between"
         )));
     }
-    let level = Level { tolerance, measure, depth: least..=most, hysteresis: 0.0 };
+    let level = Level { measure, depth: least..=most, ..Level::world(tolerance) };
     // What is left to be wrong is a viewer beyond what floats can tell.
     level.target().map_err(|e| usage(format!("--eye: {e}")))?;
     Ok(level)

@@ -1,6 +1,7 @@
 //! Leaves to triangles: the pure definitions.
 
 pub mod bound;
+pub mod budget;
 pub mod grid;
 pub mod lattice;
 pub mod level;

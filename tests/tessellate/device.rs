@@ -363,6 +363,48 @@ fn hysteresis_keeps_what_was_split() {
 }
 
 #[test]
+fn a_budget_of_triangles_is_kept_on_the_device() {
+    let Some(headless) = device::headless() else { return };
+    let engine = Engine::new(&headless.device, &headless.queue);
+    let (nets, options) = (file("teapot.bpt", false), Options::default());
+    let level = |budget, tolerance| Level { budget, ..Level::world(tolerance) };
+    let mut cpu = Cpu::new(&nets, &options);
+    let mut gpu = Tessellator::new(&engine, &nets, &level(None, 0.01), &options, &ROOM).expect("a set");
+    let mut seen = Vec::new();
+    // Without one, with one that is kept anyway, with smaller and smaller ones, with one that cannot be kept,
+    // and back.
+    for (budget, tolerance) in [
+        (None, 0.01),
+        (Some(40_000), 0.01),
+        (Some(9_000), 0.01),
+        (Some(9_000), 0.001),
+        (Some(700), 0.01),
+        (Some(60), 0.01),
+        (Some(9_000), 0.01),
+        (Some(9_000), 0.01),
+        (None, 0.01),
+    ] {
+        let level = level(budget, tolerance);
+        cpu.run(&level.target().expect("a level"));
+        gpu.set_level(&level).expect("a level");
+        let frame = submit(&engine, &mut gpu);
+        same(&cpu, &frame, &format!("a budget of {budget:?} at {tolerance}"));
+        assert_eq!(frame.status.coarser, cpu.status().coarser);
+        super::check(&cpu, &nets, (budget.is_none()).then_some(tolerance));
+        seen.push((frame.status.indices / 3, frame.status.coarser));
+    }
+    let triangles = |n: usize| seen[n].0;
+    assert_eq!((triangles(0), seen[0].1, seen[1]), (15_974, 0, seen[0]));
+    assert!(triangles(2) <= 9_000 && triangles(2) > 4_000 && seen[2].1 > 0, "{seen:?}");
+    assert!(triangles(3) <= 9_000 && triangles(3) > 4_000, "{seen:?}");
+    assert!(triangles(4) <= 700, "{seen:?}");
+    // Sixty triangles are fewer than the patches have unsplit.
+    assert!(triangles(5) > 60 && triangles(5) < 120, "{seen:?}");
+    assert!(triangles(7) <= 9_000 && triangles(7) > 4_000, "{seen:?}");
+    assert_eq!(seen[8], seen[0]);
+}
+
+#[test]
 fn frozen_triangles_follow_their_control_points() {
     let Some(headless) = device::headless() else { return };
     let engine = Engine::new(&headless.device, &headless.queue);

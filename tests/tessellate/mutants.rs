@@ -24,6 +24,8 @@ enum Check {
     Room,
     /// Rational nets.
     Rational,
+    /// A budget of triangles.
+    Budget,
 }
 
 use Check::*;
@@ -72,6 +74,11 @@ const MUTANTS: &[Mutant] = &[
     ("tally", "has_corner(nodes[to.node], ends[0])", "false", Word),
     ("finish", "vertices <= sizes.vertices", "vertices < sizes.vertices", Room),
     ("finish", "status[7] += 1u", "status[7] = 1u", Frames),
+    ("begin", "budget.coarser -= back", "budget.coarser -= 0u", Budget),
+    ("begin", "budget.fits = 0u", "budget.fits = 1u", Budget),
+    ("afford", "budget.triangles <= wanted.budget", "budget.triangles < 2u * wanted.budget", Budget),
+    ("budget", "case 1u: { part = 1.1892071; }", "case 1u: { part = 1.3; }", Budget),
+    ("target", "near: f32,\n  tolerance: f32", "tolerance: f32,\n  near: f32", Pixels),
     ("control", "select(b, COLUMNS - 1u - b,", "select(b, b,", Roots),
     ("surface", "if size > noise", "if size >= 0.0 * noise", Roots),
     ("surface", "rest >= FULL", "rest > FULL", Roots),
@@ -126,6 +133,11 @@ impl Check {
                 let levels = [0.02, 0.03, 0.2, 0.12, 0.07, 0.045, 0.02, 0.5, 0.8].map(level);
                 compare(&file("teapot.bpt", false), &levels, &shared(packed))
             }
+            Budget => {
+                let level = |budget| Level { budget, ..Level::world(0.02) };
+                let levels = [Some(3_000), Some(2_000), Some(2_000), Some(4_000), None].map(level);
+                compare(&file("teapot.bpt", false), &levels, &shared(whole))
+            }
             Word => {
                 let (nets, options) = (sets::torus(2, 1, 3), Options { format: whole, seams: true });
                 let level = Level { depth: 0..=7, ..Level::world(0.3) };
@@ -170,7 +182,7 @@ fn every_mutant_of_a_tessellation_is_seen() {
     let Some(headless) = device::headless() else { return };
     let engine = Engine::new(&headless.device, &headless.queue);
     let mut wrong = Vec::new();
-    for check in [Roots, Word, Pixels, Frames, Room, Rational] {
+    for check in [Roots, Word, Pixels, Frames, Room, Rational, Budget] {
         assert_eq!(check.run(&engine), None, "{check:?} without a mutant");
     }
     for &(file, find, replace, check) in MUTANTS {

@@ -2,6 +2,8 @@
 //! parallel, with the same result whatever the number of threads.
 
 pub mod advance;
+pub mod afford;
+pub mod begin;
 pub mod decide;
 pub mod finish;
 pub mod mark;
@@ -12,6 +14,7 @@ pub mod vertices;
 
 use super::scan::scan;
 use crate::patch::Net;
+use crate::tessellate::budget::{Budget, ROUNDS};
 use crate::tessellate::lattice::Node;
 use crate::tessellate::level::Target;
 use crate::tessellate::passes::{DrawArgs, Status};
@@ -62,6 +65,7 @@ pub struct Tessellator {
     trees: Trees,
     /// The children of the frame before.
     children_before: Vec<u32>,
+    budget: Budget,
     status: Status,
     draw: DrawArgs,
     out: Out,
@@ -133,6 +137,7 @@ impl Tessellator {
             shared: !options.seams,
             trees: Trees::default(),
             children_before: Vec::new(),
+            budget: Budget::default(),
             status: Status::default(),
             draw: DrawArgs::default(),
             out: Out::default(),
@@ -184,14 +189,7 @@ impl Tessellator {
 
     /// Makes the trees, then vertices and triangles.
     pub fn run(&mut self, target: &Target) {
-        self.refine(target);
-        self.after_refining();
-    }
-
-    fn after_refining(&mut self) {
-        self.stitch();
-        self.dice();
-        self.connect();
+        let Ok(()) = self.frame::<std::convert::Infallible>(target, |_| Ok(()));
     }
 
     /// The same while cells, vertices and triangles take no more than about `max_bytes`, and `stop` is not
@@ -206,33 +204,60 @@ impl Tessellator {
             _ if nodes > max_bytes / BYTES_A_NODE => Err(Error::Memory { nodes, budget: max_bytes }),
             _ => Ok(()),
         };
-        if let Err(e) = self.refine_while(target, room) {
+        let made = self.frame(target, room);
+        if made.is_err() {
             (self.trees, self.out) = (Trees::default(), Out::default());
             self.children_before.clear();
             (self.status, self.draw) = (Status::default(), DrawArgs::default());
-            return Err(e);
         }
-        self.after_refining();
+        made
+    }
+
+    /// A frame, asking before each level whether there may be so many nodes.
+    fn frame<E>(&mut self, target: &Target, may_be: impl Fn(u64) -> Result<(), E>) -> Result<(), E> {
+        begin::begin(target.budget, &mut self.budget);
+        self.remember();
+        for _ in 0..ROUNDS {
+            self.grow(target, &may_be)?;
+            self.stitch();
+            if target.budget == 0 {
+                break;
+            }
+            let triangles = *self.trees.triangle_offsets.last().unwrap_or(&0);
+            afford::afford(target.budget, triangles, &mut self.budget);
+            if self.budget.fits != 0 {
+                break;
+            }
+        }
+        finish::finish(&self.trees, self.budget.coarser, &mut self.status, &mut self.draw);
+        self.dice();
+        self.connect();
         Ok(())
     }
 
     /// The trees.
     pub fn refine(&mut self, target: &Target) {
-        let Ok(()) = self.refine_while::<std::convert::Infallible>(target, |_| Ok(()));
+        self.remember();
+        let Ok(()) = self.grow::<std::convert::Infallible>(target, &|_| Ok(()));
     }
 
-    /// The trees, asking before each level whether there may be so many nodes.
-    fn refine_while<E>(&mut self, target: &Target, may_be: impl Fn(u64) -> Result<(), E>) -> Result<(), E> {
+    /// The children that stand are those of the frame before.
+    fn remember(&mut self) {
+        std::mem::swap(&mut self.trees.children, &mut self.children_before);
+    }
+
+    fn grow<E>(&mut self, target: &Target, may_be: &impl Fn(u64) -> Result<(), E>) -> Result<(), E> {
         let mut t = std::mem::take(&mut self.trees);
-        std::mem::swap(&mut t.children, &mut self.children_before);
-        t.begin(&self.start, !self.children_before.is_empty());
+        let before = &self.children_before;
+        t.begin(&self.start, !before.is_empty());
         while t.level < t.nodes.len() {
-            decide::decide(&self.patches(), self.topology.words(), target, &self.children_before, &mut t);
+            let words = self.topology.words();
+            decide::decide(&self.patches(), words, target, self.budget.coarser, before, &mut t);
             let split: u64 = t.counts.par_iter().map(|&count| u64::from(count)).sum();
             may_be(t.nodes.len() as u64 + 4 * split)?;
             t.offsets.resize(t.counts.len() + 1, 0);
             scan(&t.counts, &mut t.offsets);
-            split::split(&self.children_before, &mut t);
+            split::split(before, &mut t);
             advance::advance(&mut t);
         }
         self.trees = t;
@@ -260,7 +285,6 @@ impl Tessellator {
         scan(&t.counts, &mut t.offsets);
         scan(&t.triangle_counts, &mut t.triangle_offsets);
         self.trees = t;
-        finish::finish(&self.trees, &mut self.status, &mut self.draw);
     }
 
     /// Vertices, of trees that stand: after other control points, too.

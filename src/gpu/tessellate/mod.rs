@@ -16,6 +16,7 @@ use super::buffers as reading;
 use super::{Engine, Error};
 use crate::codegen::Tessellation;
 use crate::patch::{Net, Word};
+use crate::tessellate::budget::ROUNDS;
 use crate::tessellate::lattice::Node;
 use crate::tessellate::level::Target;
 use crate::tessellate::passes::{DrawArgs, Status};
@@ -238,9 +239,21 @@ impl Tessellator {
             // The children that stand are those of the frame before.
             return self.part(pass, Part::Vertices, 1 - self.turn);
         }
-        for part in PARTS {
-            self.part(pass, part, self.turn);
+        let g = &self.groups[self.turn];
+        pass.set_pipeline(self.kernels.of(Pass::Begin));
+        pass.set_bind_group(0, &g.begin, &[]);
+        pass.dispatch_workgroups(1, 1, 1);
+        let rounds = if self.target.budget == 0 { 1 } else { ROUNDS };
+        for _ in 0..rounds {
+            self.part(pass, Part::Refine, self.turn);
+            self.part(pass, Part::Stitch, self.turn);
+            if rounds > 1 {
+                self.one(pass, Pass::Afford, &g.afford, ALL, Workgroups::One);
+            }
         }
+        self.one(pass, Pass::Finish, &g.finish, ALL, Workgroups::One);
+        self.part(pass, Part::Vertices, self.turn);
+        self.part(pass, Part::Triangles, self.turn);
         self.turn = 1 - self.turn;
     }
 
@@ -269,7 +282,6 @@ impl Tessellator {
                 self.one(pass, Pass::Tally, &g.tally, ALL, Workgroups::Nodes);
                 self.scan(pass, &g.scan[0], ALL);
                 self.scan(pass, &g.scan[1], ALL);
-                self.one(pass, Pass::Finish, &g.finish, ALL, Workgroups::One);
             }
             Part::Vertices => self.one(pass, Pass::Vertices, &g.vertices, ALL, Workgroups::Last),
             Part::Triangles => self.one(pass, Pass::Triangles, &g.triangles, ALL, Workgroups::Last),
@@ -392,14 +404,11 @@ impl Tessellator {
 pub enum Part {
     /// The trees: decide, scan, split and advance, level by level.
     Refine,
-    /// Who owns which vertex and makes which triangle: mark, tally, scan, finish.
+    /// Who owns which vertex and makes which triangle: mark, tally, scan.
     Stitch,
     Vertices,
     Triangles,
 }
-
-/// All parts, in order.
-pub const PARTS: [Part; 4] = [Part::Refine, Part::Stitch, Part::Vertices, Part::Triangles];
 
 /// Workgroups of a dispatch.
 #[derive(Clone, Copy)]
