@@ -55,6 +55,7 @@ const FILES: &[(&str, &str)] = files![
     "tessellate/shared/target"
     "tessellate/shared/topology"
     "tessellate/shared/tree"
+    "tessellate/shared/workgroups"
 ];
 
 fn name_of(path: &str) -> &str {

@@ -28,7 +28,7 @@ pub struct Budget {
 /// 2^(quarters / 4), with one rounding.
 #[inline]
 pub fn raised(quarters: u32) -> f32 {
-    // f32 of 2^(1/4), 2^(1/2) and 2^(3/4), a little below, so that a budget is kept.
-    let part = [1.0, 1.189_207_1, 1.414_213_5, 1.681_792_8][quarters as usize & 3];
+    // The same f32 as in the kernels.
+    let part = [1.0, 1.189_207_1, std::f32::consts::SQRT_2, 1.681_792_8][quarters as usize & 3];
     part * (1u32 << (quarters >> 2)) as f32
 }

@@ -11,6 +11,7 @@ pub mod surface;
 pub mod topology;
 pub mod tree;
 pub mod vertex;
+pub mod vertices;
 pub mod word;
 
 use lattice::Node;

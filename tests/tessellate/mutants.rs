@@ -79,6 +79,7 @@ const MUTANTS: &[Mutant] = &[
     ("afford", "budget.triangles <= wanted.budget", "budget.triangles < 2u * wanted.budget", Budget),
     ("budget", "case 1u: { part = 1.1892071; }", "case 1u: { part = 1.3; }", Budget),
     ("target", "near: f32,\n  tolerance: f32", "tolerance: f32,\n  near: f32", Pixels),
+    ("workgroups", "invocations + workgroup - 1u", "invocations", Roots),
     ("control", "select(b, COLUMNS - 1u - b,", "select(b, b,", Roots),
     ("surface", "if size > noise", "if size >= 0.0 * noise", Roots),
     ("surface", "rest >= FULL", "rest > FULL", Roots),

@@ -2,6 +2,7 @@
 
 import lattice;
 import budget;
+import workgroups;
 
 struct Turn {
   level: u32,
@@ -12,18 +13,10 @@ struct Turn {
 @group(0) @binding(2) var<storage, read> offsets: array<u32>;
 @group(0) @binding(3) var<storage, read> budget: Budget;
 @group(0) @binding(4) var<storage, read_write> ranges: array<u32>;
-@group(0) @binding(5) var<storage, read_write> dispatches: array<u32>;
+@group(0) @binding(5) var<storage, read_write> dispatches: array<vec4u>;
 
 // Words from one range to the next: uniforms begin at multiples of 256 bytes.
 const RANGE_WORDS = 64u;
-const ALONG_X = 32768u;
-
-fn dispatch(at: u32, invocations: u32, workgroup: u32) {
-  let groups = (invocations + workgroup - 1u) / workgroup;
-  dispatches[at] = min(groups, ALONG_X);
-  dispatches[at + 1u] = (groups + ALONG_X - 1u) / ALONG_X;
-  dispatches[at + 2u] = 1u;
-}
 
 fn write_range(slot: u32, count: u32, first: u32, needed: u32) {
   let at = slot * RANGE_WORDS;
@@ -31,8 +24,8 @@ fn write_range(slot: u32, count: u32, first: u32, needed: u32) {
   ranges[at + 1u] = first;
   ranges[at + 2u] = slot;
   ranges[at + 3u] = needed;
-  dispatch(slot * 8u, count, WORKGROUP);
-  dispatch(slot * 8u + 4u, count, sizes.tile);
+  dispatches[2u * slot] = vec4u(workgroups(count, WORKGROUP), 0u);
+  dispatches[2u * slot + 1u] = vec4u(workgroups(count, sizes.tile), 0u);
 }
 
 @compute @workgroup_size(1)

@@ -9,7 +9,7 @@ import budget;
 @group(0) @binding(1) var<uniform> sizes: Sizes;
 @group(0) @binding(2) var<uniform> wanted: Target;
 @group(0) @binding(3) var<storage, read> offsets: array<u32>;
-@group(0) @binding(4) var<storage, read_write> dispatches: array<u32>;
+@group(0) @binding(4) var<storage, read_write> dispatches: array<vec4u>;
 @group(0) @binding(5) var<storage, read_write> budget: Budget;
 
 @compute @workgroup_size(1)
@@ -20,8 +20,8 @@ fn afford() {
   budget.triangles = offsets[sizes.section + range.count];
   if budget.triangles <= wanted.budget {
     budget.fits = 1u;
-    for (var k = 0u; k < 8u * (sizes.all + 1u); k++) {
-      dispatches[k] = 0u;
+    for (var k = 0u; k < 2u * (sizes.all + 1u); k++) {
+      dispatches[k] = vec4u(0u);
     }
     return;
   }

@@ -4,24 +4,18 @@
 import lattice;
 import target;
 import budget;
+import workgroups;
 
 @group(0) @binding(0) var<uniform> sizes: Sizes;
 @group(0) @binding(1) var<uniform> wanted: Target;
 @group(0) @binding(2) var<storage, read> ranges: array<u32>;
-@group(0) @binding(3) var<storage, read_write> dispatches: array<u32>;
+@group(0) @binding(3) var<storage, read_write> dispatches: array<vec4u>;
 @group(0) @binding(4) var<storage, read_write> budget: Budget;
-
-fn dispatch(at: u32, invocations: u32, workgroup: u32) {
-  let groups = (invocations + workgroup - 1u) / workgroup;
-  dispatches[at] = min(groups, 32768u);
-  dispatches[at + 1u] = (groups + 32767u) / 32768u;
-  dispatches[at + 2u] = 1u;
-}
 
 @compute @workgroup_size(1)
 fn begin() {
-  dispatch(0u, ranges[0], WORKGROUP);
-  dispatch(4u, ranges[0], sizes.tile);
+  dispatches[0] = vec4u(workgroups(ranges[0], WORKGROUP), 0u);
+  dispatches[1] = vec4u(workgroups(ranges[0], sizes.tile), 0u);
   var back = budget.coarser;
   if wanted.budget != 0u {
     // With some room to spare, or the next frame takes it back.

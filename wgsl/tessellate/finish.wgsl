@@ -3,6 +3,7 @@
 
 import lattice;
 import budget;
+import workgroups;
 
 @group(0) @binding(0) var<uniform> range: Range;
 @group(0) @binding(1) var<uniform> sizes: Sizes;
@@ -10,7 +11,7 @@ import budget;
 @group(0) @binding(3) var<storage, read> budget: Budget;
 @group(0) @binding(4) var<storage, read_write> status: array<u32, 9>;
 @group(0) @binding(5) var<storage, read_write> draw: array<u32, 5>;
-@group(0) @binding(6) var<storage, read_write> last: array<u32, 3>;
+@group(0) @binding(6) var<storage, read_write> last: vec4u;
 
 @compute @workgroup_size(1)
 fn finish() {
@@ -26,10 +27,7 @@ fn finish() {
   status[6] = select(1u, 0u, fits);
   status[7] += 1u;
   status[8] = budget.coarser;
-  let groups = (range.count + WORKGROUP - 1u) / WORKGROUP;
-  last[0] = select(0u, min(groups, 32768u), fits);
-  last[1] = (groups + 32767u) / 32768u;
-  last[2] = 1u;
+  last = vec4u(select(vec3u(0u), workgroups(range.count, WORKGROUP), fits), 0u);
   if fits {
     draw[0] = indices;
     draw[1] = 1u;

@@ -7,10 +7,11 @@
 use super::tally::extra;
 use super::{BLOCK, Trees};
 use crate::tessellate::passes::{Corner, FAN, OWNS};
-use crate::tessellate::surface::{Control, LANES, Patches};
+use crate::tessellate::surface::{Control, Patches};
 use crate::tessellate::topology::side_at;
 use crate::tessellate::tree::Tree;
 use crate::tessellate::vertex::{self, Format};
+use crate::tessellate::vertices::LANES;
 use glam::Vec3;
 use rayon::prelude::*;
 
