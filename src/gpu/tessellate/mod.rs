@@ -48,9 +48,9 @@
 //! `beside_egui/`.
 //!
 //! - **A frame** allocates no buffer, bind group or pipeline, waits for nothing, and reads nothing but
-//!   its status, when that comes. [`Tessellator::set_level`] and [`Tessellator::set_points`] write through the queue, so they
-//!   hold for the next submission and all after it: with several frames in one submission the last word
-//!   holds for all.
+//!   its status, when that comes. [`Tessellator::set_level`] and [`Tessellator::set_points`] write through
+//!   the queue, so they hold for the next submission and all after it: with several frames in one
+//!   submission the last word holds for all.
 //! - **Points that move** are written to [`Tessellator::points`] by a pass of the host's, or by
 //!   [`Tessellator::set_points`]. Where nets met with equal control points, these must stay equal, to the
 //!   bit.
