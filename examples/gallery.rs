@@ -1,15 +1,16 @@
-//! The pictures of the README: rule files derived on the GPU, diced and drawn.
+//! The pictures of the README: rule files derived and patches tessellated on the GPU, and drawn.
 //!
 //!     cargo run --release --example gallery [-- FOLDER]
 
+use burgeon::gpu::tessellate::{Capacity, Tessellator};
 use burgeon::gpu::{self, Engine, Headless, Requirement};
 use burgeon::io::{NetOptions, png, read_nets, values, write_atomically};
 use burgeon::language::expr::Type;
 use burgeon::language::{System, Value, Vocabulary, compile, diagnostic};
-use burgeon::patch::{Axiom, Module, Word};
+use burgeon::patch::{Axiom, Module, Net, Word};
 use burgeon::plan::{Options, Plan};
 use burgeon::render::{self, Camera, Picture};
-use burgeon::tessellate::{self, grid};
+use burgeon::tessellate::{self, Level, Mesh, grid};
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
@@ -70,6 +71,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let lines = grid::borders(&word, cells(&word))?;
     let ground = |module: &Module| [COPPER, MEADOW, SAND, ROCK][module.symbol];
     studio.draw("relief", &word, ground, Picture { lines, line_width: 0.35, ..hill.clone() })?;
+
+    // The teapot as one watertight mesh, at three tolerances.
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    let teapot = read_nets(examples.join("data/teapot.bpt"), NetOptions::default())?;
+    for (name, tolerance) in [("coarse", 0.5), ("medium", 0.1), ("fine", 0.02)] {
+        studio.tessellate(&format!("tessellate_{name}"), &teapot, tolerance)?;
+    }
 
     // The teapot with the borders of its leaves, and as lace.
     let word = studio.derive("teapot", &[])?;
@@ -140,6 +148,15 @@ impl Studio {
         Ok(word)
     }
 
+    /// Tessellates the nets within the tolerance, and writes the picture with the edges of all triangles.
+    fn tessellate(&self, name: &str, nets: &[Net], tolerance: f32) -> Result<(), Box<dyn Error>> {
+        let (level, options) = (Level::world(tolerance), tessellate::Options::default());
+        let room = Capacity::for_vertices(1 << 14);
+        let mesh = Tessellator::new(&self.engine, nets, &level, &options, &room)?.complete()?.mesh;
+        println!("{name}: {} triangles", mesh.triangles().len());
+        self.render(name, &mesh, Picture { lines: mesh.edges(), line_width: 0.7, ..picture() })
+    }
+
     /// Dices the word, every leaf in its `color`, and writes the picture.
     fn draw(
         &self,
@@ -151,7 +168,11 @@ impl Studio {
         let n = cells(word);
         let mesh = tessellate::dice(word, n)?;
         let picture = Picture { colors: tessellate::per_vertex(word, n, color), ..picture };
-        let image = render::render(&self.gpu.device, &self.gpu.queue, &mesh, &picture)?;
+        self.render(name, &mesh, picture)
+    }
+
+    fn render(&self, name: &str, mesh: &Mesh, picture: Picture) -> Result<(), Box<dyn Error>> {
+        let image = render::render(&self.gpu.device, &self.gpu.queue, mesh, &picture)?;
         let path = self.folder.join(name).with_extension("png");
         write_atomically(&path, |writer| png::write(writer, &image))?;
         println!("  {}", path.display());

@@ -40,6 +40,35 @@
 //! [`System::parse`](language::System::parse) fails with all errors of the text at once, as lines with
 //! carets. The closure reads the files that an axiom names; this axiom names none.
 //!
+//! A grid a net is quick, and cracks where nets of different levels meet. One watertight mesh, as fine as a
+//! tolerance asks, comes of a word that keeps its holes, since these have sides, too:
+//!
+//! ```
+//! use burgeon::{cpu, tessellate::{Level, Options}};
+//! # use burgeon::{io::bpt, language::System, patch::Axiom, plan::{self, Plan}};
+//! # let system = System::parse("
+//! #     system corner : patch bezier 3
+//! #     module P
+//! #     axiom: P = [[(0,0,0), (0,0,1), (0,0,2), (0,0,3)], [(1,0,0), (1,2,1), (1,2,2), (1,0,3)],
+//! #                 [(2,0,0), (2,2,1), (2,2,2), (2,0,3)], [(3,0,0), (3,0,1), (3,0,2), (3,0,3)]]
+//! #     rules:
+//! #       P -> [ P P ; P eps ]
+//! #     run:
+//! #       derive 4
+//! # ")?;
+//! # let axiom = Axiom::load(&system, &mut |file| bpt::read(file, false))?;
+//!
+//! let plan = Plan::keeping_holes(&system)?;
+//! let (word, _) = cpu::derive(&plan, &axiom, &plan::Options::default(), 0)?;
+//! let nets: Vec<_> = axiom.roots.iter().map(|root| root.net.clone()).collect();
+//! let mut surface = cpu::tessellate::Tessellator::of_word(&nets, &word, plan.hole, &Options::default())?;
+//! surface.run(&Level::world(0.01).target()?); // no triangle is farther off the surface
+//! assert!(surface.mesh().triangles().len() >= 2 * 81);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Nets without rules are tessellated by [`Tessellator::new`](cpu::tessellate::Tessellator::new).
+//!
 //! # The same, on a GPU
 //!
 #![cfg_attr(feature = "gpu", doc = "```no_run")]
@@ -60,6 +89,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! A mesh comes of `gpu::tessellate::Tessellator`: its `encode` records a frame whose triangles stay on the
+//! device for an indirect draw, its `complete` waits and gives them to the host.
+//!
 //! The engine needs no feature of the device and only WebGPU's default limits. How records and nets lie
 //! in memory is told in [`plan::layout`]; the order of the word is in the records' keys, not in the order of
 //! the chunks. CPU and GPU give the same word (nets and integers bit for bit on every device tried so
@@ -71,7 +103,9 @@
 //! - [`language`]: the reference of the rule language, with its [operations](language::operations),
 //!   the [names](language::names) that the engine knows, and all [codes](language::codes) of errors.
 //! - [`plan::Options`]: params, memory, progress, stopping. Params are set by name, without compiling anew.
-//! - [`patch`]: nets, words, evaluation of points and normals; [`tessellate`]: leaves to triangles.
+//! - [`patch`]: nets, words, evaluation of points and normals.
+//! - [`tessellate`]: leaves to triangles, as grids or as one watertight mesh within a tolerance; on the CPU by
+//!   [`cpu::tessellate`], on a device, frame by frame or once, by `gpu::tessellate`.
 //! - [`io`]: `.bpt`, `.bv`, `.json`, `.obj`, `.ply`, `.glb`, `.png`.
 //! - [`plan::layout`], then [`plan::step`]: how a step works; both backends walk the same list of passes.
 //! - `conformance` (with the feature `gpu`): the suite that holds a device against the CPU, for the

@@ -8,6 +8,7 @@ mod formats;
 mod interrupted;
 mod output;
 mod queries;
+mod tessellate;
 mod usage;
 
 use std::collections::BTreeMap;

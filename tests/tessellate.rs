@@ -22,6 +22,7 @@ use burgeon::tessellate::{Camera, Level, Measure, Options, Topology};
 use invariants::{Checked, check};
 use proptest::prelude::*;
 use sets::{book, reoriented, scrambled, torus};
+use std::ops::RangeInclusive;
 
 fn file(name: &str, rational: bool) -> Vec<Net> {
     bpt::read(format!("{}/examples/data/{name}", env!("CARGO_MANIFEST_DIR")), rational).expect(name)
@@ -92,6 +93,43 @@ fn the_same_input_gives_the_same_bytes() {
     };
     assert_eq!(run(1), run(1));
     assert_eq!(run(1), run(3));
+}
+
+#[test]
+fn a_tessellation_keeps_to_its_budget_and_stops() {
+    use burgeon::cpu::tessellate::Error;
+    use std::sync::atomic::AtomicBool;
+    let nets = file("teapot.bpt", false);
+    let target = Level::world(0.01).target().expect("a level");
+    let mut t = Tessellator::new(&nets, &Options::default());
+    let (go, stop) = (AtomicBool::new(false), AtomicBool::new(true));
+    assert!(matches!(t.run_within(&target, 100_000, &go), Err(Error::Memory { budget: 100_000, .. })));
+    assert_eq!(t.run_within(&target, u64::MAX, &stop), Err(Error::Stopped));
+    assert!(t.out().indices.is_empty() && t.trees().nodes.is_empty());
+    t.run_within(&target, 1 << 30, &go).expect("room");
+    assert!(t.out() == tessellated(&nets, &Level::world(0.01), &Options::default()).out());
+    let endless = Level { depth: 23..=23, ..Level::world(1.0) }.target().expect("a level");
+    assert!(matches!(t.run_within(&endless, 1 << 25, &go), Err(Error::Memory { .. })));
+}
+
+/// A side's name in the file does not depend on the orientation that the tessellation is made in.
+#[test]
+fn sides_are_named_as_the_file_has_them() {
+    // The patch's side v = 1 is twice as long as the side u = 0 of the second.
+    let flat = |corners: [[f32; 2]; 4]| Net {
+        degree: [1, 1],
+        points: corners.iter().map(|&[x, y]| [x, y, 0.0, 1.0]).collect(),
+    };
+    let nets = [
+        flat([[0.0, 0.0], [0.0, 1.0], [2.0, 0.0], [2.0, 1.0]]),
+        flat([[0.0, 1.0], [1.0, 1.0], [0.0, 2.0], [1.0, 2.0]]),
+    ];
+    let topology = burgeon::tessellate::Topology::new(&nets);
+    let partial = &topology.report().partial;
+    assert_eq!(partial.len(), 1);
+    let named = partial[0].map(|(root, side)| (root, topology.file_side(root, side)));
+    assert_eq!(named, [(0, ('v', 1)), (1, ('u', 0))]);
+    assert!((0..4).all(|side| !topology.is_collapsed(0, side)));
 }
 
 #[test]
@@ -205,12 +243,13 @@ fn nearest(p: [f64; 2], t: [[f64; 2]; 3]) -> f64 {
 #[test]
 fn levels_that_cannot_be_are_refused() {
     let refused = |level: Level| level.target().expect_err("a level that cannot be").to_string();
-    for tolerance in [0.0, -1.0, f32::NAN, f32::INFINITY] {
-        assert!(refused(Level::world(tolerance)).contains("must be above 0"), "{tolerance}");
+    for tolerance in [0.0, -1.0, 1e-17, f32::NAN, f32::INFINITY] {
+        assert!(refused(Level::world(tolerance)).contains("must be 1e-16 or more"), "{tolerance}");
     }
-    for depth in [3..=2, 0..=24, 30..=40] {
+    for depth in [RangeInclusive::new(3, 2), 0..=24, 30..=40] {
         assert!(refused(Level { depth, ..Level::world(1.0) }).contains("no range within 0 to 23"));
     }
+    assert!(refused(Level { budget: Some(0), ..Level::world(1.0) }).contains("0 triangles"));
     for hysteresis in [-0.1, 1.0, f32::NAN] {
         assert!(refused(Level { hysteresis, ..Level::world(1.0) }).contains("hysteresis"));
     }

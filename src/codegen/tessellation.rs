@@ -16,12 +16,14 @@ pub struct Tessellation {
 
 /// One kernel for each pass of [`crate::tessellate::passes`].
 pub struct TessellationShaders {
+    pub begin: Shader,
     pub decide: Shader,
     pub scan: Shader,
     pub split: Shader,
     pub advance: Shader,
     pub mark: Shader,
     pub tally: Shader,
+    pub afford: Shader,
     pub finish: Shader,
     pub vertices: Shader,
     pub triangles: Shader,
@@ -42,12 +44,14 @@ pub fn tessellation_edited(
     let constants = constants(what, tuning);
     let kernel = |name| build(name, &constants, Text::default(), edit);
     Ok(TessellationShaders {
+        begin: kernel("begin")?,
         decide: kernel("decide")?,
         scan: build("scan", &scan_constants(tuning), Text::default(), edit)?,
         split: kernel("split")?,
         advance: kernel("advance")?,
         mark: kernel("mark")?,
         tally: kernel("tally")?,
+        afford: kernel("afford")?,
         finish: kernel("finish")?,
         vertices: kernel("vertices")?,
         triangles: kernel("triangles")?,

@@ -11,15 +11,15 @@ pub fn compare(flags: &flags::Compare) -> Result<(), Failure> {
     use burgeon::plan::compare::{Pair, PairError};
     use burgeon::plan::{Progress, derive};
 
-    let job = super::load::job(&flags.derive)?;
-    let requirement = flags.derive.adapter.as_deref().map_or(Requirement::Any, Requirement::Named);
+    let job = super::load::job(&flags.derive, false)?;
+    let requirement = flags.derive.machine.adapter.as_deref().map_or(Requirement::Any, Requirement::Named);
     let device = Headless::new(requirement).map_err(of_gpu)?;
     let engine = Engine::new(&device.device, &device.queue);
     stop::watch();
     let bar = progress::Bar::new();
     let progress = |p: Progress| bar.step(p);
     let options = run::options(&flags.derive, &job, &progress);
-    let cpu = run::cpu(&job, flags.derive.threads as usize)?;
+    let cpu = run::cpu(&job, flags.derive.machine.threads as usize)?;
     let gpu = Gpu::new(&engine, &job.plan, &job.uniforms).map_err(of_gpu)?;
     let mut pair = Pair::new(&job.plan, cpu, gpu, ["CPU", "GPU"]);
     let derivation = derive::derive(&job.plan, &job.axiom, &job.uniforms, &options, &mut pair);

@@ -1,6 +1,7 @@
 //! The flags of every subcommand.
 
 use burgeon::language::Value;
+use burgeon::tessellate::lattice::MAX_DEPTH;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -9,8 +10,17 @@ pub const RUN_EXAMPLES: &str = "\
 Examples:
   burgeon run teapot.burgeon --out teapot.png
   burgeon run teapot.burgeon --set levels=5 --grid 4 --out teapot.obj --stats
+  burgeon run teapot_lace.burgeon --tolerance 0.01 --out lace.glb
   burgeon run teapot.burgeon --in my_patches.bv --backend cpu --out word.json
   burgeon run teapot.burgeon --in control_points.obj --bspline --out smooth.glb";
+
+/// Below the flags of `tessellate`.
+pub const TESSELLATE_EXAMPLES: &str = "\
+Examples:
+  burgeon tessellate teapot.bpt --tolerance 0.01 --out teapot.glb
+  burgeon tessellate teapot.bpt --tolerance 0.1 --wireframe --out teapot.png
+  burgeon tessellate teapot.bpt --tolerance 0.5px --eye 0,4,12 --out seen.ply
+  burgeon tessellate control_points.obj --bspline --out smooth.obj";
 
 #[derive(Args)]
 pub struct Run {
@@ -24,15 +34,99 @@ pub struct Run {
     #[arg(long, value_name = "WHERE", value_enum, default_value_t = Backend::Auto)]
     pub backend: Backend,
     /// Cells along each side of a patch in .obj, .ply, .glb and .png, two triangles each; halved until the model
-    /// has at most 2 million
-    #[arg(long, value_name = "N", default_value_t = 8, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=256))]
+    /// has at most 2 million; not with --tolerance
+    #[arg(long, value_name = "N", default_value_t = 8, conflicts_with = "tolerance", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=256))]
     pub grid: u32,
+    #[command(flatten)]
+    pub fineness: Fineness,
+    #[command(flatten)]
+    pub drawing: Drawing,
+    /// Colour the picture by the symbols of the modules
+    #[arg(long)]
+    pub by_symbol: bool,
+    /// Print one line of JSON: backend, adapter, compile_ms, steps (modules, ms), total_ms, peak_bytes;
+    /// with --tolerance modules count erased ones, too, and there are vertices, triangles, tessellate_ms
+    #[arg(long)]
+    pub stats: bool,
+}
+
+#[derive(Args)]
+pub struct Tessellate {
+    /// The patches: .bpt, .bv or .json; with --bspline .obj
+    #[arg(value_name = "PATCHES")]
+    pub file: PathBuf,
+    /// Read an .obj: a grid of quads, as the control points of a uniform bicubic B-spline
+    #[arg(long)]
+    pub bspline: bool,
+    #[command(flatten)]
+    pub fineness: Fineness,
+    #[command(flatten)]
+    pub view: View,
+    /// Write the triangles, by extension: .obj, .ply, .glb, or .png a picture; may be given several times
+    #[arg(long, value_name = "FILE")]
+    pub out: Vec<PathBuf>,
+    /// Where it runs: auto takes a hardware adapter, else a software one, else the CPU backend
+    #[arg(long, value_name = "WHERE", value_enum, default_value_t = Backend::Auto)]
+    pub backend: Backend,
+    #[command(flatten)]
+    pub machine: Machine,
+    #[command(flatten)]
+    pub drawing: Drawing,
+    /// Print one line of JSON: backend, adapter, patches, vertices, triangles, tolerance, pixels (whether
+    /// it is in these), tessellate_ms, total_ms
+    #[arg(long)]
+    pub stats: bool,
+}
+
+/// How fine a watertight mesh is.
+#[derive(Args)]
+pub struct Fineness {
+    /// Make one watertight mesh, adaptively, whose triangles are off the surface by T at most: in units of
+    /// the model, as in 0.01, or in pixels of the viewer's screen (--eye), as in 0.5px [tessellate's
+    /// default: a thousandth of the model's diagonal]
+    #[arg(long, value_name = "T", allow_hyphen_values = true, value_parser = tolerance)]
+    pub tolerance: Option<Tolerance>,
+    /// Halve each patch of that mesh, each way, so many times at least [default: 0]
+    #[arg(long, value_name = "D", allow_negative_numbers = true, value_parser = depth())]
+    pub min_depth: Option<u32>,
+    /// Halve each patch of that mesh, each way, no more often than this, whatever the tolerance
+    /// [default: 12]
+    #[arg(long, value_name = "D", allow_negative_numbers = true, value_parser = depth())]
+    pub max_depth: Option<u32>,
+}
+
+/// A tolerance and its unit. They are one flag, so that nobody can give two tolerances.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Tolerance {
+    /// Units of the model.
+    World(f32),
+    Pixels(f32),
+}
+
+/// What a picture looks like.
+#[derive(Args)]
+pub struct Drawing {
     /// The axis that points up in the picture; in .glb, which has y up, a z is turned there
     #[arg(long, value_name = "AXIS", value_enum, default_value_t = Up::Y)]
     pub up: Up,
-    /// Print one line of JSON: backend, adapter, compile_ms, steps (modules, ms), total_ms, peak_bytes
+    /// Draw the edges of all triangles in the picture
     #[arg(long)]
-    pub stats: bool,
+    pub wireframe: bool,
+}
+
+/// What of the machine is used.
+#[derive(Args)]
+pub struct Machine {
+    /// Threads of the CPU backend; 0: one a core
+    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(0..=1024))]
+    pub threads: u32,
+    /// The first adapter whose name or backend holds this text; `burgeon devices` lists them
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+    /// The most that the result, with what a step writes, may take, as in 500M or 4G [default: half of
+    /// the machine's memory]
+    #[arg(long, value_name = "BYTES", allow_negative_numbers = true, value_parser = bytes)]
+    pub max_memory: Option<u64>,
 }
 
 /// What is derived, and how far.
@@ -61,25 +155,18 @@ pub struct Derive {
     /// What random numbers begin with; the param `seed` if left out, else 0
     #[arg(long, value_name = "N")]
     pub seed: Option<u32>,
-    /// Threads of the CPU backend; 0: one a core
-    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(0..=1024))]
-    pub threads: u32,
-    /// The first adapter whose name or backend holds this text; `burgeon devices` lists them
-    #[arg(long, value_name = "NAME")]
-    pub adapter: Option<String>,
-    /// The most that the word, with what a step writes, may take, as in 500M or 4G [default: half of
-    /// the machine's memory]
-    #[arg(long, value_name = "BYTES", allow_negative_numbers = true, value_parser = bytes)]
-    pub max_memory: Option<u64>,
+    #[command(flatten)]
+    pub machine: Machine,
 }
 
-/// What `bbox_px` and `area_px` are seen through.
+/// What pixels are seen through: `bbox_px` and `area_px`, and tolerances.
 #[derive(Args)]
 pub struct View {
-    /// Where the viewer stands, for rules that read bbox_px or area_px
+    /// Where the viewer stands, for what is measured in pixels: bbox_px and area_px in rules, and
+    /// tolerances in px
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = point)]
     pub eye: Option<[f32; 3]>,
-    /// What the viewer looks at; the middle of the axiom if left out
+    /// What the viewer looks at; the middle of the patches if left out
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, requires = "eye", value_parser = point)]
     pub look_at: Option<[f32; 3]>,
     /// The viewer's vertical angle of view, in degrees
@@ -164,6 +251,21 @@ pub enum Backend {
 pub enum Up {
     Y,
     Z,
+}
+
+fn tolerance(text: &str) -> Result<Tolerance, String> {
+    let (number, unit): (&str, fn(f32) -> Tolerance) = match text.trim().strip_suffix("px") {
+        Some(number) => (number.trim_end(), Tolerance::Pixels),
+        None => (text.trim(), Tolerance::World),
+    };
+    match number.parse::<f32>() {
+        Ok(x) if x > 0.0 && x.is_finite() => Ok(unit(x)),
+        _ => Err("write a number above 0, as in 0.01 (units of the model) or 0.5px (pixels)".to_string()),
+    }
+}
+
+fn depth() -> clap::builder::RangedI64ValueParser<u32> {
+    clap::value_parser!(u32).range(0..=i64::from(MAX_DEPTH))
 }
 
 /// `NAME=VALUE`: an int, a float, true or false, or a vector `x,y[,z[,w]]`.

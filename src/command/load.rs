@@ -10,6 +10,7 @@ use burgeon::language::vocabulary::Vocabulary;
 use burgeon::language::{Diagnostic, Severity, Span, Value, lex, parse, syntax};
 use burgeon::patch;
 use burgeon::plan::{self, Given, Plan, Unsupported, View, schedule};
+use burgeon::tessellate::Camera;
 use indicatif::HumanBytes;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -151,16 +152,16 @@ pub struct Job {
 }
 
 /// Reads the rule file and the axiom's files, and makes the plan. All that can be wrong with them is
-/// found here, before a device is opened.
-pub fn job(flags: &flags::Derive) -> Result<Job, Failure> {
+/// found here, before a device is opened. Where the word is tessellated it keeps its holes.
+pub fn job(flags: &flags::Derive, keeps_holes: bool) -> Result<Job, Failure> {
     let source = Source::read(&flags.system.file)?;
     source.refuse_errors()?;
     let system = source.system(flags.system.system.as_deref())?;
-    let plan = Plan::new(system).map_err(|e| source.unsupported(&e))?;
+    let plan = if keeps_holes { Plan::keeping_holes(system) } else { Plan::new(system) };
+    let plan = plan.map_err(|e| source.unsupported(&e))?;
     let set = set(&source, system, &flags.set)?;
     let uniforms = plan.uniforms(&set).map_err(|e| failure(&source, &plan, e))?;
     schedule::unroll(&plan, &uniforms).map_err(|e| failure(&source, &plan, e))?;
-    let is_obj = |path: &Path| has_extension(path, "obj");
     let named = files(system);
     if flags.bspline
         && !flags.input.as_deref().is_some_and(is_obj)
@@ -172,12 +173,17 @@ pub fn job(flags: &flags::Derive) -> Result<Job, Failure> {
     let axiom =
         axiom(&source, system, flags.input.as_deref(), flags.bspline).map_err(|e| e.failure(&source))?;
     let bind = bind(&plan.system, &flags.bind)?;
-    let view = view(&flags.view, &axiom);
+    let view = sight(&flags.view, flags::Up::Y, axiom.roots.iter().map(|root| &root.net))?.map(|s| s.view());
     Given::new(&plan.system, axiom.roots.len(), &bind, view).map_err(|e| failure(&source, &plan, e))?;
     Ok(Job { plan, axiom, set, uniforms, bind, view, source })
 }
 
 impl Job {
+    /// The nets of the roots.
+    pub fn nets(&self) -> Vec<patch::Net> {
+        self.axiom.roots.iter().map(|root| root.net.clone()).collect()
+    }
+
     /// An error of the plan by whose fault it is, with the place where that is known.
     pub fn failure(&self, e: plan::Error) -> Failure {
         failure(&self.source, &self.plan, e)
@@ -197,16 +203,57 @@ fn bind(system: &System, given: &[(String, PathBuf)]) -> Result<Vec<(String, pat
     Ok(bound)
 }
 
-/// The view that the flags describe.
-fn view(flags: &flags::View, axiom: &patch::Axiom) -> Option<View> {
-    let eye = flags.eye?;
-    let points = axiom.roots.iter().flat_map(|root| &root.net.points);
-    let middle = || patch::Bounds::around(points.map(|p| [p[0] / p[3], p[1] / p[3], p[2] / p[3]]));
-    let at = flags.look_at.unwrap_or_else(|| middle().map_or([0.0; 3], |b| b.center()));
-    // Up is y, but for who looks along it.
-    let along_y = eye[0] == at[0] && eye[2] == at[2];
-    let up = if along_y { [0.0, 0.0, 1.0] } else { [0.0, 1.0, 0.0] };
-    Some(View::looking(eye, at, up, flags.angle, flags.pixels))
+/// Where the viewer stands and looks.
+pub struct Sight {
+    pub eye: [f32; 3],
+    pub at: [f32; 3],
+    up: [f32; 3],
+    angle: f32,
+    pixels: [f32; 2],
+}
+
+impl Sight {
+    fn view(&self) -> View {
+        View::looking(self.eye, self.at, self.up, self.angle, self.pixels)
+    }
+
+    /// What stands nearer to the eye than a thousandth of the way to the middle is not seen.
+    pub fn camera(&self) -> Camera {
+        let away: f32 = (0..3).map(|k| (self.at[k] - self.eye[k]).powi(2)).sum();
+        Camera::looking(self.eye, self.at, self.up, self.angle, self.pixels, away.sqrt() * 1e-3)
+    }
+}
+
+/// The viewer that the flags describe.
+pub fn sight<'a>(
+    flags: &flags::View,
+    up: flags::Up,
+    nets: impl Iterator<Item = &'a patch::Net>,
+) -> Result<Option<Sight>, Failure> {
+    let Some(eye) = flags.eye else { return Ok(None) };
+    let middle = || bounds(nets).map_or([0.0; 3], |b| b.center());
+    let at = flags.look_at.unwrap_or_else(middle);
+    if eye == at {
+        let [x, y, z] = eye;
+        let what = format!("--eye {x},{y},{z} is the point that is looked at, so there is no direction");
+        let help = "help: move it away, or say by --look-at X,Y,Z where to look";
+        return Err(Failure::Usage(format!("error: {what}\n{help}")));
+    }
+    let up = match up {
+        flags::Up::Y => 1,
+        flags::Up::Z => 2,
+    };
+    // Who looks along it has the other one for up.
+    let along = (0..3).all(|k| k == up || eye[k] == at[k]);
+    let up = if along { 3 - up } else { up };
+    let up = std::array::from_fn(|k| if k == up { 1.0 } else { 0.0 });
+    Ok(Some(Sight { eye, at, up, angle: flags.angle, pixels: flags.pixels }))
+}
+
+/// The box around all control points; none where there are none.
+pub fn bounds<'a>(nets: impl Iterator<Item = &'a patch::Net>) -> Option<patch::Bounds> {
+    let points = nets.flat_map(|net| &net.points);
+    patch::Bounds::around(points.map(|p| [p[0] / p[3], p[1] / p[3], p[2] / p[3]]))
 }
 
 /// What of `--set` goes to the system: a param of the file that it does not read is left out.
@@ -352,6 +399,42 @@ fn shown(path: &Path, e: &ReadError) -> String {
             format!("{e}\n{}", excerpt(&String::from_utf8_lossy(line), error.line, error.column))
         }
     }
+}
+
+fn is_obj(path: &Path) -> bool {
+    has_extension(path, "obj")
+}
+
+/// The nets of a file that no rules rewrite, as a word named like the file: one net at least, all of the
+/// same degrees, whatever these are.
+pub fn patches(path: &Path, bspline: bool) -> Result<patch::Word, Failure> {
+    let name = path.display();
+    if has_extension(path, "burgeon") {
+        let what = format!("error: {name} holds rules, not patches");
+        let help = format!("help: `burgeon run {name} --tolerance T` tessellates what they derive");
+        return Err(Failure::Usage(format!("{what}\n{help}")));
+    }
+    if bspline && !is_obj(path) {
+        return Err(Failure::Usage(format!("error: --bspline is for an .obj, and {name} is none")));
+    }
+    let wrong = |what: String| Failure::File(format!("error: {what}"));
+    let nets = read_nets(path, NetOptions { rational: true, bspline }).map_err(|e| wrong(shown(path, &e)))?;
+    let Some(first) = nets.first() else {
+        return Err(wrong(format!("{name} holds no patches; one at least is needed")));
+    };
+    let [m, n] = first.degree;
+    for (patch, net) in nets.iter().enumerate() {
+        if net.degree != first.degree {
+            let [u, v] = net.degree;
+            let what = format!("patch {patch} of {name} has degree {u}×{v}, and patch 0 {m}×{n}");
+            let help =
+                "help: all patches of a mesh have the same degrees; raise the lower ones, or split the file";
+            return Err(wrong(format!("{what}\n{help}")));
+        }
+        net.validate(true).map_err(|e| wrong(format!("patch {patch} of {name}: {e}")))?;
+    }
+    let stem = path.file_stem().map_or_else(|| "patches".into(), |stem| stem.to_string_lossy());
+    patch::Word::from_nets(&stem, "P", &nets).map_err(|e| wrong(format!("{name}: {e}")))
 }
 
 /// The nets of a file, of the degree that the system rewrites.

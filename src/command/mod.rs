@@ -12,6 +12,7 @@ mod run;
 mod selftest;
 mod show;
 mod stop;
+mod tessellate;
 
 use clap::{Parser, Subcommand};
 use std::io::{IsTerminal, Write};
@@ -39,6 +40,9 @@ enum Command {
     /// Derive a system and write what came of it
     #[command(after_help = flags::RUN_EXAMPLES)]
     Run(flags::Run),
+    /// Make one watertight triangle mesh of patches, as fine as a tolerance asks
+    #[command(after_help = flags::TESSELLATE_EXAMPLES)]
+    Tessellate(flags::Tessellate),
     /// Parse, check and compile a rule file; say everything that is wrong with it
     Check(flags::Check),
     /// Print the WGSL that a system becomes
@@ -57,6 +61,9 @@ impl Command {
     fn looks_for_adapters(&self) -> bool {
         match self {
             Command::Run(flags) => flags.backend != flags::Backend::Cpu || output::needs_adapter(&flags.out),
+            Command::Tessellate(flags) => {
+                flags.backend != flags::Backend::Cpu || output::needs_adapter(&flags.out)
+            }
             Command::Compare(_) | Command::Selftest(_) | Command::Devices(_) | Command::Bench(_) => true,
             Command::Check(_) | Command::Wgsl(_) => false,
         }
@@ -118,6 +125,7 @@ pub fn main() -> ExitCode {
     }
     let result = match command {
         Command::Run(flags) => run::run(&flags),
+        Command::Tessellate(flags) => tessellate::tessellate(&flags),
         Command::Check(flags) => show::check(&flags),
         Command::Wgsl(flags) => show::wgsl(&flags),
         Command::Compare(flags) => compare::compare(&flags),
@@ -164,6 +172,11 @@ pub fn colored() -> bool {
 
 /// `1 step`, `2 steps`.
 pub fn counted(n: u64, noun: &str) -> String {
-    let s = if n == 1 { "" } else { "s" };
-    format!("{} {noun}{s}", indicatif::HumanCount(n))
+    let n_nouns = |nouns: &str| format!("{} {nouns}", indicatif::HumanCount(n));
+    match noun {
+        _ if n == 1 => n_nouns(noun),
+        "patch" => n_nouns("patches"),
+        "vertex" => n_nouns("vertices"),
+        _ => n_nouns(&format!("{noun}s")),
+    }
 }

@@ -42,9 +42,14 @@ impl Bar {
 
     /// A file is being written.
     pub fn writing(&self, path: &Path) {
+        self.doing(&format!("writing {}", path.display()));
+    }
+
+    /// Something without steps.
+    pub fn doing(&self, what: &str) {
         if !self.waits() {
             self.style("{wide_msg}");
-            self.bar.set_message(format!("writing {}", path.display()));
+            self.bar.set_message(what.to_string());
         }
     }
 

@@ -2,18 +2,27 @@
 
 use super::load::{self, Job, size};
 use super::progress::Bar;
+use super::tessellate::{self, Work};
 use super::{Failure, counted, flags, output, print, stop};
 use burgeon::cpu::Cpu;
-use burgeon::patch;
+use burgeon::patch::{self, Net};
 use burgeon::plan::derive::{self, StepStats};
-use burgeon::plan::{self, Options, Progress};
+use burgeon::plan::{self, Options, Progress, holes};
 use std::time::Instant;
 
 /// Derives and writes.
 pub fn run(flags: &flags::Run) -> Result<(), Failure> {
     let start = Instant::now();
-    let targets = output::targets(&flags.out)?;
-    let job = load::job(&flags.derive)?;
+    let targets = output::targets(&flags.out, &output::ALL)?;
+    let watertight = flags.fineness.tolerance.is_some();
+    if let (false, Some(flag)) = (watertight, tessellate::depth_flag(&flags.fineness)) {
+        return Err(Failure::Usage(format!(
+            "error: {flag} is for the mesh that --tolerance makes; give both"
+        )));
+    }
+    let job = load::job(&flags.derive, watertight)?;
+    let nets: Vec<Net> = if watertight { job.nets() } else { Vec::new() };
+    let level = tessellate::level(&flags.fineness, &flags.derive.view, flags.drawing.up, &nets)?;
     stop::watch();
     let bar = Bar::new();
     let progress = |p: Progress| bar.step(p);
@@ -22,16 +31,37 @@ pub fn run(flags: &flags::Run) -> Result<(), Failure> {
     if derived.is_err() {
         bar.clear();
     }
-    let derived = derived?;
-    let written = output::write(&targets, &derived.word, flags, derived.device.as_ref(), &bar);
+    let mut derived = derived?;
+    let device = derived.device.as_ref();
+    let mut surface = watertight.then(|| {
+        let hole = job.plan.hole;
+        let work = Work { nets: &nets, word: Some((&derived.word, hole)), level: &level };
+        tessellate::make(&work, device, &flags.derive.machine, &bar)
+    });
+    if let Some(hole) = job.plan.hole {
+        derived.word = holes::dropped(&derived.word, hole);
+    }
+    let word = &derived.word;
+    let shape = match &mut surface {
+        Some(Ok(surface)) => Ok(tessellate::shape(surface, flags.by_symbol, &targets)),
+        Some(Err(why)) => Err(why.clone()),
+        None if output::need_mesh(&targets) => {
+            output::diced(word, flags.grid as usize, flags.by_symbol, &bar)
+        }
+        None => Ok(output::Shape::default()),
+    };
+    let look =
+        output::Look { drawing: &flags.drawing, device, adapter: flags.derive.machine.adapter.as_deref() };
+    let written = output::write(&targets, word, &shape, &look, &bar);
     bar.clear();
     written?;
+    let surface = surface.and_then(Result::ok);
     if flags.stats {
-        return print(&format!("{}\n", stats(&derived, start)));
+        return print(&format!("{}\n", stats(&derived, surface.as_ref(), start)));
     }
-    let Derived { word, .. } = &derived;
     let (steps, modules) = (word.steps as u64, word.modules.len() as u64);
-    print(&format!("{}: {}, {}\n", word.system, counted(steps, "step"), counted(modules, "module")))
+    let mesh = surface.map_or(String::new(), |surface| format!(", {}", surface.counts()));
+    print(&format!("{}: {}, {}{mesh}\n", word.system, counted(steps, "step"), counted(modules, "module")))
 }
 
 /// How the library is to run.
@@ -42,7 +72,7 @@ pub fn options<'a>(flags: &flags::Derive, job: &Job, progress: &'a dyn Fn(Progre
         view: job.view,
         seed: flags.seed.unwrap_or_else(|| job.plan.seed(&job.set)),
         steps: flags.steps,
-        max_bytes: flags.max_memory.unwrap_or_else(load::half_of_memory),
+        max_bytes: flags.machine.max_memory.unwrap_or_else(load::half_of_memory),
         chunk_modules: None,
         stop: Some(&stop::STOP),
         progress: Some(progress),
@@ -66,27 +96,27 @@ pub use burgeon::gpu::Headless as Device;
 pub enum Device {}
 
 fn derive(flags: &flags::Run, job: &Job, options: &Options) -> Result<Derived, Failure> {
-    match device(flags)? {
+    match device(flags.backend, &flags.derive.machine)? {
         #[cfg(feature = "gpu")]
         Some(device) => on_gpu(job, options, device),
         #[cfg(not(feature = "gpu"))]
         Some(device) => match device {},
-        None => on_cpu(job, options, flags.derive.threads as usize),
+        None => on_cpu(job, options, flags.derive.machine.threads as usize),
     }
 }
 
 /// The device that the flags ask for; none for the CPU backend.
 #[cfg(feature = "gpu")]
-fn device(flags: &flags::Run) -> Result<Option<Device>, Failure> {
+pub fn device(backend: flags::Backend, machine: &flags::Machine) -> Result<Option<Device>, Failure> {
     use burgeon::gpu::Requirement;
-    if flags.backend == flags::Backend::Cpu {
+    if backend == flags::Backend::Cpu {
         return Ok(None);
     }
-    let requirement = flags.derive.adapter.as_deref().map_or(Requirement::Any, Requirement::Named);
-    let asked_for = flags.backend == flags::Backend::Gpu || flags.derive.adapter.is_some();
+    let requirement = machine.adapter.as_deref().map_or(Requirement::Any, Requirement::Named);
+    let asked_for = backend == flags::Backend::Gpu || machine.adapter.is_some();
     match Device::new(requirement) {
         Ok(device) => {
-            if flags.backend == flags::Backend::Auto {
+            if backend == flags::Backend::Auto {
                 super::say(&format!("note: on {}", super::devices::label(&device.info)));
             }
             Ok(Some(device))
@@ -100,8 +130,8 @@ fn device(flags: &flags::Run) -> Result<Option<Device>, Failure> {
 }
 
 #[cfg(not(feature = "gpu"))]
-fn device(flags: &flags::Run) -> Result<Option<Device>, Failure> {
-    match flags.backend {
+pub fn device(backend: flags::Backend, _: &flags::Machine) -> Result<Option<Device>, Failure> {
+    match backend {
         flags::Backend::Gpu => {
             Err(Failure::Device("error: this burgeon was built without the feature gpu".to_string()))
         }
@@ -194,22 +224,28 @@ pub fn of_gpu(e: burgeon::gpu::Error) -> Failure {
     }
 }
 
-fn milliseconds(start: Instant) -> f64 {
+pub fn milliseconds(start: Instant) -> f64 {
     start.elapsed().as_secs_f64() * 1e3
 }
 
-fn stats(derived: &Derived, start: Instant) -> serde_json::Value {
+fn stats(derived: &Derived, surface: Option<&tessellate::Surface>, start: Instant) -> serde_json::Value {
     let steps: Vec<_> = derived
         .steps
         .iter()
         .map(|s| serde_json::json!({ "modules": s.modules, "ms": s.time.as_secs_f64() * 1e3 }))
         .collect();
-    serde_json::json!({
+    let mut stats = serde_json::json!({
         "backend": derived.backend,
         "adapter": derived.adapter,
         "compile_ms": derived.compile_ms,
         "steps": steps,
         "total_ms": milliseconds(start),
         "peak_bytes": derived.peak_bytes,
-    })
+    });
+    if let Some(surface) = surface {
+        stats["vertices"] = surface.vertices().into();
+        stats["triangles"] = surface.triangles().into();
+        stats["tessellate_ms"] = surface.ms.into();
+    }
+    stats
 }

@@ -44,6 +44,10 @@ pub enum Error {
     Word(#[from] crate::tessellate::word::Error),
     #[error("{found} control points where the patches have {expected}")]
     Points { found: usize, expected: usize },
+    #[error(
+        "a mesh is read from vertices in the default format: position, normal and uv as interleaved floats"
+    )]
+    Format,
 }
 
 /// The engine: a device, its queue, and the sizes that suit it.

@@ -5,6 +5,7 @@
 //! they are without it, to the bit and the random number.
 
 use crate::language::system::{Block, Cell, Module, Rule, Successor, Symbol, System};
+use crate::patch::Word;
 
 /// The name of the symbol.
 pub const HOLE: &str = "ε";
@@ -19,6 +20,19 @@ pub fn kept(system: &System) -> (System, usize) {
         keep(rule, hole);
     }
     (system, hole)
+}
+
+/// A word without its holes: what the system derives that does not keep them. `hole` is their symbol, the last.
+pub fn dropped(word: &Word, hole: usize) -> Word {
+    let left = |n: &usize| word.modules[*n].symbol != hole;
+    let there: Vec<usize> = (0..word.modules.len()).filter(left).collect();
+    Word {
+        system: word.system.clone(),
+        symbols: word.symbols.iter().take(hole).cloned().collect(),
+        modules: there.iter().map(|&n| word.modules[n].clone()).collect(),
+        nets: there.iter().flat_map(|&n| word.net(n)).copied().collect(),
+        ..*word
+    }
 }
 
 fn keep(rule: &mut Rule, hole: usize) {

@@ -1,6 +1,7 @@
 //! How fine a tessellation is to be, and which cells that splits.
 
 use super::bound;
+use super::budget::raised;
 use super::lattice::{MAX_DEPTH, Node};
 use super::surface::Control;
 use glam::Vec4;
@@ -10,7 +11,8 @@ use thiserror::Error;
 /// How fine a tessellation is to be.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
-    /// The most that a triangle may be off the surface, in the unit of `measure`: above 0.
+    /// The most that a triangle may be off the surface, in the unit of `measure`: [`LEAST_TOLERANCE`] or more.
+    /// Coordinates of the model may be as large as 10¹⁸; beyond, bounds overflow and all is split to the most.
     pub tolerance: f32,
     pub measure: Measure,
     /// Halvings of a root along each direction, at least and at most, up to [`MAX_DEPTH`]. At the most the
@@ -19,7 +21,13 @@ pub struct Level {
     /// Against popping: a cell that was split in the frame before stays so until its error falls below
     /// this share of the tolerance less, 0 (no memory) to below 1.
     pub hysteresis: f32,
+    /// The most triangles of a frame: the tolerance is raised until they fit, on the device, and given back when
+    /// there is room again. What rules and `depth` ask for comes before it.
+    pub budget: Option<u32>,
 }
+
+/// The least tolerance: the squares of shorter lengths, of which bounds are made, soon are 0 in single precision.
+pub const LEAST_TOLERANCE: f32 = 1e-16;
 
 /// What a tolerance is measured in.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -45,10 +53,12 @@ pub struct Camera {
 /// Why there can be no such level.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum LevelError {
-    #[error("a tolerance of {0} is never kept; it must be above 0")]
+    #[error("a tolerance of {0:e} cannot be kept; it must be {LEAST_TOLERANCE:e} or more, and finite")]
     Tolerance(f32),
     #[error("depths from {least} to {most} are no range within 0 to {MAX_DEPTH}")]
     Depth { least: u32, most: u32 },
+    #[error("a budget of 0 triangles is never kept")]
+    Budget,
     #[error("a hysteresis of {0} lies outside 0 to below 1")]
     Hysteresis(f32),
     #[error("a camera needs a near plane above 0, a picture of some pixels and a finite matrix")]
@@ -58,7 +68,7 @@ pub enum LevelError {
 impl Level {
     /// Within `tolerance` units of the model, to a depth of 12.
     pub fn world(tolerance: f32) -> Level {
-        Level { tolerance, measure: Measure::World, depth: 0..=12, hysteresis: 0.0 }
+        Level { tolerance, measure: Measure::World, depth: 0..=12, hysteresis: 0.0, budget: None }
     }
 
     /// Within so many pixels of a camera's picture, to a depth of 12.
@@ -72,12 +82,15 @@ impl Level {
     /// When a number lies outside what its field says.
     pub fn target(&self) -> Result<Target, LevelError> {
         // Written so that NaN is refused.
-        if !(self.tolerance > 0.0 && self.tolerance < f32::INFINITY) {
+        if !(self.tolerance >= LEAST_TOLERANCE && self.tolerance < f32::INFINITY) {
             return Err(LevelError::Tolerance(self.tolerance));
         }
         let (least, most) = (*self.depth.start(), *self.depth.end());
         if least > most || most > MAX_DEPTH {
             return Err(LevelError::Depth { least, most });
+        }
+        if self.budget == Some(0) {
+            return Err(LevelError::Budget);
         }
         if !(0.0..1.0).contains(&self.hysteresis) {
             return Err(LevelError::Hysteresis(self.hysteresis));
@@ -87,6 +100,7 @@ impl Level {
             keep: self.tolerance * (1.0 - self.hysteresis),
             least,
             most,
+            budget: self.budget.unwrap_or(0),
             ..bytemuck::Zeroable::zeroed()
         };
         if let Measure::Pixels(camera) = self.measure {
@@ -123,7 +137,7 @@ impl Camera {
     }
 }
 
-/// A [`Level`] as the pass `decide` reads it: a uniform of 96 bytes.
+/// A [`Level`] as the pass `decide` reads it: a uniform of 112 bytes.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Target {
@@ -138,6 +152,9 @@ pub struct Target {
     pub pixels: u32,
     pub least: u32,
     pub most: u32,
+    /// Triangles; 0 for as many as it takes.
+    pub budget: u32,
+    pub reserved: [u32; 3],
 }
 
 impl Target {
@@ -157,10 +174,10 @@ impl Target {
         }
     }
 
-    /// Whether a cell with these control points is split. In pixels they are left as the camera sees them.
+    /// Whether a cell with these control points is split, by a tolerance that is raised by `coarser`. In pixels they are left as the camera sees them.
     #[inline]
-    pub fn splits(&self, net: &mut Control, rational: bool, was_split: bool) -> bool {
-        let limit = if was_split { self.keep } else { self.tolerance };
+    pub fn splits(&self, net: &mut Control, rational: bool, was_split: bool, coarser: u32) -> bool {
+        let limit = if was_split { self.keep } else { self.tolerance } * raised(coarser);
         if self.pixels == 0 {
             return bound::error(net, rational) > limit;
         }

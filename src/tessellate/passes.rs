@@ -1,6 +1,7 @@
 //! A tessellation, written once: its passes, and what each reads and writes.
 //!
 //! ```text
+//! begin         what is given back of a raised tolerance
 //! for each level of the trees
 //!   decide      which cells are split                              nodes, nets → counts, marks cleared
 //!   scan        where their children go                            counts → offsets
@@ -9,6 +10,7 @@
 //! mark          which sides have something finer across            nodes, children → marks
 //! tally         vertices and triangles that each leaf makes        marks → marks, counts
 //! scan, scan    where they go                                      counts → offsets
+//! afford        whether they keep to the budget; if not, all again with a larger tolerance
 //! finish        the draw's arguments; whether all fits
 //! vertices      each vertex once, by the leaf that owns it         nets, marks, offsets → vertices
 //! triangles     by the leaf whose side it has                      marks, offsets → indices, cells
@@ -46,6 +48,9 @@ pub struct Status {
     pub skipped: u32,
     /// Frames recorded, this one included.
     pub frame: u32,
+    /// The tolerance was raised by so many quarters of an octave to keep to the budget of triangles:
+    /// [`raised`](super::budget::raised).
+    pub coarser: u32,
 }
 
 impl Status {

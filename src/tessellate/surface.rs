@@ -40,6 +40,7 @@ pub fn orders(degree: [u8; 2]) -> [Vec<usize>; 8] {
 pub struct Control {
     pub rows: usize,
     pub columns: usize,
+    pub rational: bool,
     pub points: [Vec4; MOST * MOST],
     /// The root.
     root: u32,
@@ -50,7 +51,14 @@ pub struct Control {
 impl Default for Control {
     /// Of no root.
     fn default() -> Control {
-        Control { rows: 0, columns: 0, points: [Vec4::ZERO; MOST * MOST], root: NOWHERE, noise: 0.0 }
+        Control {
+            rows: 0,
+            columns: 0,
+            rational: false,
+            points: [Vec4::ZERO; MOST * MOST],
+            root: NOWHERE,
+            noise: 0.0,
+        }
     }
 }
 
@@ -78,6 +86,7 @@ impl Patches<'_> {
             far = far.max(point.truncate().abs().max_element() / point.w);
         }
         (net.rows, net.columns, net.root, net.noise) = (rows, columns, root, NOISE * far);
+        net.rational = self.rational;
     }
 }
 
@@ -117,46 +126,36 @@ impl Control {
             _ => (self.columns - 1, self.columns, self.rows),
         };
         let mut curve = [Vec4::ZERO; MOST];
-        for k in 0..n {
-            curve[k] = self.points[first + k * step];
+        for (k, point) in curve.iter_mut().enumerate().take(n) {
+            *point = self.points[first + k * step];
         }
         match t {
             0 => return curve[0],
             FULL => return curve[n - 1],
             _ => {}
         }
-        // Halve, and keep the half where t lies; at last it is the point between the two.
-        let mut rest = t;
-        loop {
-            rest *= 2;
-            let upper = rest > FULL;
-            for level in 1..n {
-                for k in 0..n - level {
-                    // The upper half grows from the end, the lower one from the beginning.
-                    if upper || rest == FULL {
-                        curve[k] = (curve[k] + curve[k + 1]) * 0.5;
-                    } else {
-                        let k = n - 1 - k;
-                        curve[k] = (curve[k] + curve[k - 1]) * 0.5;
-                    }
-                }
-            }
-            if rest == FULL {
-                return curve[0];
-            }
-            if upper {
-                rest -= FULL;
-            }
+        match n {
+            // With the number known the compiler unrolls it.
+            4 => halve_towards(&mut curve, 4, t),
+            n => halve_towards(&mut curve, n, t),
         }
     }
 
     /// Point and derivatives at (u, v), both in 0..=1.
     #[inline]
     pub fn sample(&self, [u, v]: [f32; 2]) -> Sample {
-        match (self.rows, self.columns) {
+        let [position, du, dv] = self.samples([[u], [v]]);
+        let one = |v: [[f32; 1]; 3]| Vec3::new(v[0][0], v[1][0], v[2][0]);
+        Sample { position: one(position), du: one(du), dv: one(dv) }
+    }
+
+    /// The same for L parameters at once: x, y and z of the points, and of the derivatives.
+    #[inline]
+    fn samples<const L: usize>(&self, uv: [[f32; L]; 2]) -> [[[f32; L]; 3]; 3] {
+        match (self.rows, self.columns, self.rational) {
             // With the sizes known the compiler unrolls it.
-            (4, 4) => sum(&self.points, 4, 4, u, v),
-            (rows, columns) => sum(&self.points, rows, columns, u, v),
+            (4, 4, false) => sum(&self.points, 4, 4, false, uv),
+            (rows, columns, rational) => sum(&self.points, rows, columns, rational, uv),
         }
     }
 
@@ -217,48 +216,108 @@ fn project(p: Vec4) -> Vec3 {
     Vec3::new(p.x / p.w, p.y / p.w, p.z / p.w)
 }
 
+/// Halves a curve of n points and keeps the half where t / FULL lies, until that is the point between the
+/// two.
+#[inline(always)]
+fn halve_towards(curve: &mut [Vec4; MOST], n: usize, t: u32) -> Vec4 {
+    let mut rest = t;
+    loop {
+        rest *= 2;
+        // The upper half grows from the end, the lower one from the beginning.
+        let upper = rest >= FULL;
+        for level in 1..n {
+            for k in 0..n - level {
+                let (a, b) = if upper { (k, k + 1) } else { (n - 1 - k, n - 2 - k) };
+                curve[a] = (curve[a] + curve[b]) * 0.5;
+            }
+        }
+        if rest == FULL {
+            return curve[0];
+        }
+        if upper {
+            rest -= FULL;
+        }
+    }
+}
+
+/// Bernstein weights of a degree, or their derivatives, each for L parameters.
+type Weights<const L: usize> = [[f32; L]; MOST];
+
 /// The Bernstein weights of a degree at t, and their derivatives.
 #[inline(always)]
-fn bernstein(points: usize, t: f32) -> ([f32; MOST], [f32; MOST]) {
-    let s = 1.0 - t;
-    let mut w = [0.0; MOST];
-    w[0] = 1.0;
-    let mut slopes = [0.0; MOST];
+fn bernstein<const L: usize>(points: usize, t: [f32; L]) -> (Weights<L>, Weights<L>) {
+    let s = t.map(|t| 1.0 - t);
+    let (mut w, mut slopes) = ([[0.0; L]; MOST], [[0.0; L]; MOST]);
+    w[0] = [1.0; L];
     for n in 1..points {
         if n + 1 == points {
             for k in 0..points {
-                let before = if k > 0 { w[k - 1] } else { 0.0 };
-                slopes[k] = n as f32 * (before - w[k]);
+                for l in 0..L {
+                    let before = if k > 0 { w[k - 1][l] } else { 0.0 };
+                    slopes[k][l] = n as f32 * (before - w[k][l]);
+                }
             }
         }
-        w[n] = t * w[n - 1];
-        for k in (1..n).rev() {
-            w[k] = s * w[k] + t * w[k - 1];
+        for l in 0..L {
+            w[n][l] = t[l] * w[n - 1][l];
         }
-        w[0] *= s;
+        for k in (1..n).rev() {
+            for l in 0..L {
+                w[k][l] = s[l] * w[k][l] + t[l] * w[k - 1][l];
+            }
+        }
+        for l in 0..L {
+            w[0][l] *= s[l];
+        }
     }
     (w, slopes)
 }
 
+/// sum += weight · x
 #[inline(always)]
-fn sum(points: &[Vec4; MOST * MOST], rows: usize, columns: usize, u: f32, v: f32) -> Sample {
+fn add<const L: usize>(sum: &mut [f32; L], weight: &[f32; L], x: &[f32; L]) {
+    for l in 0..L {
+        sum[l] += weight[l] * x[l];
+    }
+}
+
+#[inline(always)]
+fn sum<const L: usize>(
+    points: &[Vec4; MOST * MOST],
+    rows: usize,
+    columns: usize,
+    rational: bool,
+    [u, v]: [[f32; L]; 2],
+) -> [[[f32; L]; 3]; 3] {
     let (bu, su) = bernstein(rows, u);
     let (bv, sv) = bernstein(columns, v);
-    let (mut point, mut du, mut dv) = (Vec4::ZERO, Vec4::ZERO, Vec4::ZERO);
+    let mut all = [[[0.0; L]; 4]; 3];
+    let components = if rational { 4 } else { 3 };
     for j in 0..columns {
-        let (mut value, mut slope) = (Vec4::ZERO, Vec4::ZERO);
-        for i in 0..rows {
-            let p = points[i * columns + j];
-            value += bu[i] * p;
-            slope += su[i] * p;
+        for k in 0..components {
+            let (mut value, mut slope) = ([0.0; L], [0.0; L]);
+            for i in 0..rows {
+                let p = [points[i * columns + j][k]; L];
+                add(&mut value, &bu[i], &p);
+                add(&mut slope, &su[i], &p);
+            }
+            add(&mut all[0][k], &bv[j], &value);
+            add(&mut all[1][k], &bv[j], &slope);
+            add(&mut all[2][k], &sv[j], &value);
         }
-        point += bv[j] * value;
-        du += bv[j] * slope;
-        dv += sv[j] * value;
     }
-    let position = project(point);
-    let slope = |d: Vec4| (d.truncate() - position * d.w) / point.w;
-    Sample { position, du: slope(du), dv: slope(dv) }
+    let [mut point, mut du, mut dv] = all;
+    if rational {
+        for l in 0..L {
+            let w = point[3][l];
+            for k in 0..3 {
+                point[k][l] /= w;
+                du[k][l] = (du[k][l] - point[k][l] * du[3][l]) / w;
+                dv[k][l] = (dv[k][l] - point[k][l] * dv[3][l]) / w;
+            }
+        }
+    }
+    [point, du, dv].map(|[x, y, z, _]| [x, y, z])
 }
 
 /// The control points of a cell, written over `cell`: those of its root, halved along x as often as it was,
@@ -322,6 +381,7 @@ impl Tree<'_> {
         root: u32,
         p: [u32; 2],
         symbol: u32,
+        tangents: bool,
     ) -> Vertex {
         let orientation = self.orientation(root);
         patches.load(net, root, orientation);
@@ -340,17 +400,62 @@ impl Tree<'_> {
                 normal = sum / length;
             }
         }
-        let [along_u, _] = orientation.to_file([sample.du, sample.dv], [Vec3::ZERO; 2]);
-        let across = along_u - normal * dot(normal, along_u);
-        let length = length(across);
-        let tangent = if length > 0.0 { across / length } else { beside(normal) };
         Vertex {
             position: net.position_of(p, sample.position),
             normal,
-            tangent: [tangent.x, tangent.y, tangent.z, 1.0],
+            tangent: tangent(orientation, &sample, normal, tangents),
             uv: orientation.uv(p),
             source: [root, symbol],
         }
+    }
+
+    /// Vertices inside one root, as many as [`LANES`] at once; what is behind `points` is one of them again.
+    pub fn vertices_inside(
+        &self,
+        patches: &Patches,
+        net: &mut Control,
+        root: u32,
+        points: &[[u32; 2]],
+        tangents: bool,
+    ) -> [Vertex; LANES] {
+        let orientation = self.orientation(root);
+        patches.load(net, root, orientation);
+        let last = points.len() - 1;
+        let uv = [0, 1].map(|k| std::array::from_fn(|l| points[l.min(last)][k] as f32 / FULL as f32));
+        let [position, du, dv] = net.samples::<LANES>(uv);
+        let product = |l: usize| -> [f32; 3] {
+            let at = |k: usize, n: usize| du[k][l] * dv[n][l] - du[n][l] * dv[k][l];
+            [at(1, 2), at(2, 0), at(0, 1)]
+        };
+        let sizes = |v: &dyn Fn(usize) -> [f32; 3]| -> [f32; LANES] {
+            std::array::from_fn(|l| {
+                let [x, y, z] = v(l);
+                (x * x + y * y + z * z).sqrt()
+            })
+        };
+        let of = |v: &[[f32; LANES]; 3], l: usize| [v[0][l], v[1][l], v[2][l]];
+        let lengths = [sizes(&product), sizes(&|l| of(&du, l)), sizes(&|l| of(&dv, l))];
+        std::array::from_fn(|l| {
+            let p = points[l.min(last)];
+            let sample = Sample {
+                position: Vec3::from(of(&position, l)),
+                du: Vec3::from(of(&du, l)),
+                dv: Vec3::from(of(&dv, l)),
+            };
+            let [n, u, v] = lengths.map(|lengths| lengths[l]);
+            let normal = match n > net.noise * u + net.noise * v {
+                true => Vec3::from(product(l)) / n,
+                false => net.normal(p).0,
+            };
+            let normal = if orientation.mirrors() { -normal } else { normal };
+            Vertex {
+                position: sample.position + Vec3::ZERO,
+                normal,
+                tangent: tangent(orientation, &sample, normal, tangents),
+                uv: orientation.uv(p),
+                source: [root, 0],
+            }
+        })
     }
 
     /// The same point as one of each other patch that shares it.
@@ -386,6 +491,22 @@ impl Tree<'_> {
             }
         }
     }
+}
+
+/// Vertices that are computed at once.
+pub const LANES: usize = 8;
+
+/// The unit vector along the file's u at right angles to the normal, if it is wanted.
+#[inline]
+fn tangent(orientation: Orientation, sample: &Sample, normal: Vec3, wanted: bool) -> [f32; 4] {
+    if !wanted {
+        return [0.0; 4];
+    }
+    let [along_u, _] = orientation.to_file([sample.du, sample.dv], [Vec3::ZERO; 2]);
+    let across = along_u - normal * dot(normal, along_u);
+    let length = length(across);
+    let tangent = if length > 0.0 { across / length } else { beside(normal) };
+    [tangent.x, tangent.y, tangent.z, 1.0]
 }
 
 /// Some unit vector at right angles to a unit vector.

@@ -50,7 +50,8 @@ pub struct Report {
     /// Different points where corners lie.
     pub corners: usize,
     /// Borders that are half of another border, as (root, side) of both: the longer side first. Such
-    /// patches meet without being joined; split the one with the longer side.
+    /// patches meet without being joined; split the one with the longer side. Sides are those of the canonical
+    /// orientation: [`Topology::file_side`] says which ones of the file they are.
     pub partial: Vec<[(u32, u32); 2]>,
 }
 
@@ -94,6 +95,22 @@ impl Topology {
     pub fn start(&self) -> Vec<Node> {
         let root = |root| Node::new(root, [0; 2], [0; 2], 0, self.is_void(root));
         (0..self.roots as u32).map(root).collect()
+    }
+
+    /// What a side of a root is in the orientation of its file: the direction that is constant there, `u`
+    /// or `v`, and whether it is 0 or 1.
+    pub fn file_side(&self, root: u32, side: u32) -> (char, u32) {
+        let mut middle = [FULL / 2; 2];
+        middle[1 - along(side)] = if side & 1 == 0 { 0 } else { FULL };
+        match self.orientation(root).to_file(middle, [FULL; 2]) {
+            [u @ (0 | FULL), _] => ('u', u / FULL),
+            [_, v] => ('v', v / FULL),
+        }
+    }
+
+    /// Whether a side of a root is one point.
+    pub fn is_collapsed(&self, root: u32, side: u32) -> bool {
+        curve_of(&self.words, root, side) == NOWHERE
     }
 }
 

@@ -88,7 +88,7 @@ impl Table {
         words[0] = shapes.len() as u32;
         words[1] = slots as u32 - 1;
         for (word, shape) in words[2..].iter_mut().zip(shapes) {
-            *word = shape as u32 / LEVELS | (shape as u32 % LEVELS) << 8;
+            *word = (shape as u32 / LEVELS) | ((shape as u32 % LEVELS) << 8);
         }
         let mut table = Table { words };
         for (n, node) in nodes.iter().enumerate() {

@@ -102,6 +102,35 @@ fn cpu_and_gpu_make_the_same_mesh() {
     }
 }
 
+/// Room for nothing is made room for all, in a few frames, and the mesh is that of the CPU.
+#[test]
+fn a_mesh_is_made_once_from_a_guess_that_is_far_too_small() {
+    let Some(headless) = device::headless() else { return };
+    let engine = Engine::new(&headless.device, &headless.queue);
+    let nets = file("teapot.bpt", false);
+    let (level, options) = (Level::world(0.01), Options::default());
+    let cpu = tessellated(&nets, &level, &options).complete();
+    for room in [Capacity { nodes: 0, vertices: 0, indices: 0 }, Capacity::for_vertices(1000), ROOM] {
+        let mut gpu = Tessellator::new(&engine, &nets, &level, &options, &room).expect("a tessellator");
+        let found = gpu.complete().expect("a mesh");
+        assert!(found.status.complete());
+        assert_eq!(found.mesh.indices, cpu.mesh.indices);
+        assert_eq!((&found.sources, found.deepest), (&cpu.sources, cpu.deepest));
+        for (a, b) in found.mesh.positions.iter().zip(&cpu.mesh.positions) {
+            assert!((0..3).all(|k| (a[k] - b[k]).abs() <= 1e-6 * b[k].abs().max(1.0)), "{a:?} and {b:?}");
+        }
+        // And again, now that there is room.
+        let frames = found.status.frame;
+        assert_eq!(gpu.complete().expect("a mesh").status.frame, frames + 1);
+    }
+    let level = Level { depth: 12..=12, ..level };
+    let mut gpu = Tessellator::new(&engine, &nets, &level, &options, &ROOM).expect("a tessellator");
+    assert!(matches!(gpu.complete(), Err(Error::Binding { .. })));
+    let other = Options { format: Format { uv: None, ..Format::default() }, ..options };
+    let mut gpu = Tessellator::new(&engine, &nets, &Level::world(1.0), &other, &ROOM).expect("a tessellator");
+    assert!(matches!(gpu.complete(), Err(Error::Format)));
+}
+
 #[test]
 fn words_are_the_same_on_cpu_and_gpu() {
     let Some(headless) = device::headless() else { return };
@@ -332,6 +361,48 @@ fn hysteresis_keeps_what_was_split() {
     assert_eq!((counts[1], counts[2]), (counts[0], counts[0]));
     assert!(counts[3] < counts[0]);
     assert_eq!(counts[4], counts[0]);
+}
+
+#[test]
+fn a_budget_of_triangles_is_kept_on_the_device() {
+    let Some(headless) = device::headless() else { return };
+    let engine = Engine::new(&headless.device, &headless.queue);
+    let (nets, options) = (file("teapot.bpt", false), Options::default());
+    let level = |budget, tolerance| Level { budget, ..Level::world(tolerance) };
+    let mut cpu = Cpu::new(&nets, &options);
+    let mut gpu = Tessellator::new(&engine, &nets, &level(None, 0.01), &options, &ROOM).expect("a set");
+    let mut seen = Vec::new();
+    // Without one, with one that is kept anyway, with smaller and smaller ones, with one that cannot be kept,
+    // and back.
+    for (budget, tolerance) in [
+        (None, 0.01),
+        (Some(40_000), 0.01),
+        (Some(9_000), 0.01),
+        (Some(9_000), 0.001),
+        (Some(700), 0.01),
+        (Some(60), 0.01),
+        (Some(9_000), 0.01),
+        (Some(9_000), 0.01),
+        (None, 0.01),
+    ] {
+        let level = level(budget, tolerance);
+        cpu.run(&level.target().expect("a level"));
+        gpu.set_level(&level).expect("a level");
+        let frame = submit(&engine, &mut gpu);
+        same(&cpu, &frame, &format!("a budget of {budget:?} at {tolerance}"));
+        assert_eq!(frame.status.coarser, cpu.status().coarser);
+        super::check(&cpu, &nets, (budget.is_none()).then_some(tolerance));
+        seen.push((frame.status.indices / 3, frame.status.coarser));
+    }
+    let triangles = |n: usize| seen[n].0;
+    assert_eq!((triangles(0), seen[0].1, seen[1]), (15_974, 0, seen[0]));
+    assert!(triangles(2) <= 9_000 && triangles(2) > 4_000 && seen[2].1 > 0, "{seen:?}");
+    assert!(triangles(3) <= 9_000 && triangles(3) > 4_000, "{seen:?}");
+    assert!(triangles(4) <= 700, "{seen:?}");
+    // Sixty triangles are fewer than the patches have unsplit.
+    assert!(triangles(5) > 60 && triangles(5) < 120, "{seen:?}");
+    assert!(triangles(7) <= 9_000 && triangles(7) > 4_000, "{seen:?}");
+    assert_eq!(seen[8], seen[0]);
 }
 
 #[test]

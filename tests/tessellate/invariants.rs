@@ -233,7 +233,8 @@ pub fn check(t: &Tessellator, nets: &[Net], tolerance: Option<f32>) -> Checked {
     let degree = nets[0].degree;
     let points: Vec<[f32; 4]> = nets.iter().flat_map(|n| n.points.iter().copied()).collect();
     let orders = orders(degree);
-    let patches = Patches { degree, rational: false, nets: &points, orders: &orders };
+    let rational = points.iter().any(|p| p[3] != 1.0);
+    let patches = Patches { degree, rational, nets: &points, orders: &orders };
     for (triangle, index) in corners.iter().zip(out.indices.chunks(3)) {
         let root = tree.nodes[triangle.1 as usize].root;
         let mirrored = t.topology().orientation(root).mirrors();

@@ -4,6 +4,7 @@
 use crate::shaders::{assert_translates, assert_within_default_limits, members, pairs};
 use burgeon::codegen::{Shader, Tessellation, Tuning, tessellation};
 use burgeon::tessellate::Options;
+use burgeon::tessellate::budget::Budget;
 use burgeon::tessellate::level::Target;
 use burgeon::tessellate::vertex::{Format, Normal, Outputs, Position, Tangent, Uv};
 use std::mem::offset_of;
@@ -11,7 +12,19 @@ use std::path::Path;
 
 fn shaders(what: &Tessellation, tuning: &Tuning) -> Vec<Shader> {
     let s = tessellation(what, tuning).unwrap_or_else(|e| panic!("{what:?}: {e}"));
-    vec![s.decide, s.scan, s.split, s.advance, s.mark, s.tally, s.finish, s.vertices, s.triangles]
+    vec![
+        s.begin,
+        s.afford,
+        s.decide,
+        s.scan,
+        s.split,
+        s.advance,
+        s.mark,
+        s.tally,
+        s.finish,
+        s.vertices,
+        s.triangles,
+    ]
 }
 
 /// All attributes, in floats and packed.
@@ -73,9 +86,22 @@ fn structs_lie_in_wgsl_as_in_rust() {
         ("pixels", offset_of!(Target, pixels)),
         ("least", offset_of!(Target, least)),
         ("most", offset_of!(Target, most)),
+        ("budget", offset_of!(Target, budget)),
+        ("reserved_0", offset_of!(Target, reserved)),
+        ("reserved_1", offset_of!(Target, reserved) + 4),
+        ("reserved_2", offset_of!(Target, reserved) + 8),
     ];
     assert_eq!(target, wanted.map(|(name, at)| (name.to_string(), at as u32)));
     assert_eq!(size as usize, size_of::<Target>());
+    let (budget, size) = struct_of("afford", "Budget");
+    let wanted = [
+        ("coarser", offset_of!(Budget, coarser)),
+        ("fits", offset_of!(Budget, fits)),
+        ("triangles", offset_of!(Budget, triangles)),
+        ("reserved", offset_of!(Budget, reserved)),
+    ];
+    assert_eq!(budget, wanted.map(|(name, at)| (name.to_string(), at as u32)));
+    assert_eq!(size as usize, size_of::<Budget>());
     let (outputs, size) = struct_of("vertices", "Outputs");
     let places = offset_of!(Outputs, places) as u32;
     let wanted = [
@@ -113,7 +139,7 @@ fn every_kernel_has_a_twin_on_the_cpu() {
         assert!(twin.contains(&format!("pub fn {name}(")), "{name}.rs");
         seen += 1;
     }
-    assert_eq!(seen, 8);
+    assert_eq!(seen, 10);
 }
 
 #[test]

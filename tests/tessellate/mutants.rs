@@ -24,6 +24,8 @@ enum Check {
     Room,
     /// Rational nets.
     Rational,
+    /// A budget of triangles.
+    Budget,
 }
 
 use Check::*;
@@ -39,7 +41,7 @@ const MUTANTS: &[Mutant] = &[
     ("decide", "select(wanted.tolerance, wanted.keep, was_split)", "wanted.tolerance", Frames),
     ("decide", "range.level == 0u", "true", Frames),
     ("decide", "(n.z >> (level - 1u)) & 1u) != 0u", "(n.z >> (level - 1u)) & 1u) == 0u", Roots),
-    ("decide", "net[r][c] + net[r][c - 1u]", "net[r][c] + net[r][c]", Roots),
+    ("decide", "(p[c] + p[c + 1u])", "(p[c] + p[c])", Roots),
     ("decide", "select(0u, 2u, x > w)", "0u", Pixels),
     ("decide", "return crosses ||", "return ", Pixels),
     ("decide", "y * wanted.half_size.y", "y * wanted.half_size.x", Pixels),
@@ -72,6 +74,11 @@ const MUTANTS: &[Mutant] = &[
     ("tally", "has_corner(nodes[to.node], ends[0])", "false", Word),
     ("finish", "vertices <= sizes.vertices", "vertices < sizes.vertices", Room),
     ("finish", "status[7] += 1u", "status[7] = 1u", Frames),
+    ("begin", "budget.coarser -= back", "budget.coarser -= 0u", Budget),
+    ("begin", "budget.fits = 0u", "budget.fits = 1u", Budget),
+    ("afford", "budget.triangles <= wanted.budget", "budget.triangles < 2u * wanted.budget", Budget),
+    ("budget", "case 1u: { part = 1.1892071; }", "case 1u: { part = 1.3; }", Budget),
+    ("target", "near: f32,\n  tolerance: f32", "tolerance: f32,\n  near: f32", Pixels),
     ("control", "select(b, COLUMNS - 1u - b,", "select(b, b,", Roots),
     ("surface", "if size > noise", "if size >= 0.0 * noise", Roots),
     ("surface", "rest >= FULL", "rest > FULL", Roots),
@@ -114,14 +121,22 @@ impl Check {
                     .or_else(|| compare(&file("torus.bpt", true), &levels, &shared(whole)))
             }
             Pixels => {
-                let levels = [[0.3, 1.2, 0.1], [3.0, 2.0, 2.5]]
+                let nets = file("teapot.bpt", false);
+                // Inside, near, and on the surface.
+                let on_it = nets[5].view().evaluate(0.5, 0.5).position;
+                let levels = [[0.3, 1.2, 0.1], [3.0, 2.0, 2.5], on_it]
                     .map(|eye| Level { depth: 1..=7, ..Level::pixels(1.0, camera(eye)) });
-                compare(&file("teapot.bpt", false), &levels, &shared(whole))
+                compare(&nets, &levels, &shared(whole))
             }
             Frames => {
                 let level = |tolerance| Level { hysteresis: 0.5, ..Level::world(tolerance) };
-                let levels = [0.02, 0.03, 0.2, 0.02, 0.5, 0.8, 1.2].map(level);
+                let levels = [0.02, 0.03, 0.2, 0.12, 0.07, 0.045, 0.02, 0.5, 0.8].map(level);
                 compare(&file("teapot.bpt", false), &levels, &shared(packed))
+            }
+            Budget => {
+                let level = |budget| Level { budget, ..Level::world(0.02) };
+                let levels = [Some(3_000), Some(2_000), Some(2_000), Some(4_000), None].map(level);
+                compare(&file("teapot.bpt", false), &levels, &shared(whole))
             }
             Word => {
                 let (nets, options) = (sets::torus(2, 1, 3), Options { format: whole, seams: true });
@@ -167,7 +182,7 @@ fn every_mutant_of_a_tessellation_is_seen() {
     let Some(headless) = device::headless() else { return };
     let engine = Engine::new(&headless.device, &headless.queue);
     let mut wrong = Vec::new();
-    for check in [Roots, Word, Pixels, Frames, Room, Rational] {
+    for check in [Roots, Word, Pixels, Frames, Room, Rational, Budget] {
         assert_eq!(check.run(&engine), None, "{check:?} without a mutant");
     }
     for &(file, find, replace, check) in MUTANTS {

@@ -1,6 +1,7 @@
 // Where the next level begins: behind the nodes that are there; and the workgroups for it, and for all nodes.
 
 import lattice;
+import budget;
 
 struct Turn {
   level: u32,
@@ -9,8 +10,9 @@ struct Turn {
 @group(0) @binding(0) var<uniform> turn: Turn;
 @group(0) @binding(1) var<uniform> sizes: Sizes;
 @group(0) @binding(2) var<storage, read> offsets: array<u32>;
-@group(0) @binding(3) var<storage, read_write> ranges: array<u32>;
-@group(0) @binding(4) var<storage, read_write> dispatches: array<u32>;
+@group(0) @binding(3) var<storage, read> budget: Budget;
+@group(0) @binding(4) var<storage, read_write> ranges: array<u32>;
+@group(0) @binding(5) var<storage, read_write> dispatches: array<u32>;
 
 // Words from one range to the next: uniforms begin at multiples of 256 bytes.
 const RANGE_WORDS = 64u;
@@ -35,6 +37,10 @@ fn write_range(slot: u32, count: u32, first: u32, needed: u32) {
 
 @compute @workgroup_size(1)
 fn advance() {
+  // A later round of a frame that keeps to its budget changes nothing.
+  if budget.fits != 0u {
+    return;
+  }
   let at = turn.level * RANGE_WORDS;
   let count = ranges[at];
   let end = ranges[at + 1u] + count;

@@ -8,17 +8,8 @@ import lattice;
 import topology;
 import control;
 import bound;
-
-struct Target {
-  clip: mat4x4f,
-  half_size: vec2f,
-  near: f32,
-  tolerance: f32,
-  keep: f32,
-  pixels: u32,
-  least: u32,
-  most: u32,
-}
+import target;
+import budget;
 
 @group(0) @binding(0) var<uniform> range: Range;
 @group(0) @binding(1) var<uniform> sizes: Sizes;
@@ -27,8 +18,9 @@ struct Target {
 @group(0) @binding(4) var<storage, read> nets: array<vec4f>;
 @group(0) @binding(5) var<storage, read> nodes: array<vec4u>;
 @group(0) @binding(6) var<storage, read> children_before: array<u32>;
-@group(0) @binding(7) var<storage, read_write> counts: array<u32>;
-@group(0) @binding(8) var<storage, read_write> marks: array<u32>;
+@group(0) @binding(7) var<storage, read> budget: Budget;
+@group(0) @binding(8) var<storage, read_write> counts: array<u32>;
+@group(0) @binding(9) var<storage, read_write> marks: array<u32>;
 
 // Keeps one half of each column. Both are made, so that no invocation waits for others that keep the other one.
 fn halve_columns(upper: bool) {
@@ -99,7 +91,7 @@ fn splits(n: vec4u, was_split: bool) -> bool {
   for (var level = depth.y; level > 0u; level--) {
     halve_rows(((n.w >> (level - 1u)) & 1u) != 0u);
   }
-  let limit = select(wanted.tolerance, wanted.keep, was_split);
+  let limit = select(wanted.tolerance, wanted.keep, was_split) * raised(budget.coarser);
   if wanted.pixels == 0u {
     return error_bound(RATIONAL) > limit;
   }

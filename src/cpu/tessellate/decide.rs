@@ -16,6 +16,7 @@ pub fn decide(
     patches: &Patches,
     topology: &[u32],
     target: &Target,
+    coarser: u32,
     children_before: &[u32],
     trees: &mut Trees,
 ) {
@@ -27,7 +28,7 @@ pub fn decide(
         patches.load(root, node.root, orientation_of(topology, node.root));
         surface::restrict(root, node, cell);
         let was_split = before != NOWHERE && children_before[before as usize] != LEAF;
-        target.splits(cell, patches.rational, was_split)
+        target.splits(cell, patches.rational, was_split, coarser)
     };
     trees.counts.resize(nodes.len(), 0);
     let blocks = nodes.par_chunks(BLOCK).zip(before.par_chunks(BLOCK));

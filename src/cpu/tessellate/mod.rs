@@ -2,6 +2,8 @@
 //! parallel, with the same result whatever the number of threads.
 
 pub mod advance;
+pub mod afford;
+pub mod begin;
 pub mod decide;
 pub mod finish;
 pub mod mark;
@@ -12,6 +14,7 @@ pub mod vertices;
 
 use super::scan::scan;
 use crate::patch::Net;
+use crate::tessellate::budget::{Budget, ROUNDS};
 use crate::tessellate::lattice::Node;
 use crate::tessellate::level::Target;
 use crate::tessellate::passes::{DrawArgs, Status};
@@ -19,10 +22,33 @@ use crate::tessellate::surface::{self, Patches};
 use crate::tessellate::tree::Tree;
 use crate::tessellate::vertex::Format;
 use crate::tessellate::word::{self, Table};
-use crate::tessellate::{Mesh, Options, Topology};
+use crate::tessellate::{Complete, Mesh, Options, Topology, mesh_of};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Nodes that one task of a pass works on.
 pub const BLOCK: usize = 256;
+
+/// The most cells that [`Tessellator::run_within`] makes: so many have triangles that 32 bits still count.
+pub const MOST_NODES: u64 = 1 << 28;
+
+/// About what a cell takes, with its share of vertices and triangles, which a [`Mesh`] has once more.
+pub const BYTES_A_NODE: u64 = 160;
+
+/// Why a tessellation was given up.
+#[derive(Clone, Debug, thiserror::Error, PartialEq, Eq)]
+pub enum Error {
+    #[error(
+        "{nodes} cells take about {} bytes; the memory budget is {budget} bytes: take a larger tolerance, \
+         fewer halvings, or raise it",
+        nodes * BYTES_A_NODE
+    )]
+    Memory { nodes: u64, budget: u64 },
+    #[error("{nodes} cells are more than {MOST_NODES}; take a larger tolerance or fewer halvings")]
+    Nodes { nodes: u64 },
+    #[error("the tessellation was stopped")]
+    Stopped,
+}
 
 /// Trees, vertices and triangles of a set of patches. Vectors are kept from frame to frame.
 pub struct Tessellator {
@@ -39,6 +65,7 @@ pub struct Tessellator {
     trees: Trees,
     /// The children of the frame before.
     children_before: Vec<u32>,
+    budget: Budget,
     status: Status,
     draw: DrawArgs,
     out: Out,
@@ -110,6 +137,7 @@ impl Tessellator {
             shared: !options.seams,
             trees: Trees::default(),
             children_before: Vec::new(),
+            budget: Budget::default(),
             status: Status::default(),
             draw: DrawArgs::default(),
             out: Out::default(),
@@ -161,25 +189,79 @@ impl Tessellator {
 
     /// Makes the trees, then vertices and triangles.
     pub fn run(&mut self, target: &Target) {
-        self.refine(target);
-        self.stitch();
+        let Ok(()) = self.frame::<std::convert::Infallible>(target, |_| Ok(()));
+    }
+
+    /// The same while cells, vertices and triangles take no more than about `max_bytes`, and `stop` is not
+    /// set: both are looked at from level to level of the trees.
+    ///
+    /// # Errors
+    /// When it was given up; then there is nothing, as before the first run.
+    pub fn run_within(&mut self, target: &Target, max_bytes: u64, stop: &AtomicBool) -> Result<(), Error> {
+        let room = |nodes: u64| match nodes {
+            _ if stop.load(Ordering::Relaxed) => Err(Error::Stopped),
+            _ if nodes > MOST_NODES => Err(Error::Nodes { nodes }),
+            _ if nodes > max_bytes / BYTES_A_NODE => Err(Error::Memory { nodes, budget: max_bytes }),
+            _ => Ok(()),
+        };
+        let made = self.frame(target, room);
+        if made.is_err() {
+            (self.trees, self.out) = (Trees::default(), Out::default());
+            self.children_before.clear();
+            (self.status, self.draw) = (Status::default(), DrawArgs::default());
+        }
+        made
+    }
+
+    /// A frame, asking before each level whether there may be so many nodes.
+    fn frame<E>(&mut self, target: &Target, may_be: impl Fn(u64) -> Result<(), E>) -> Result<(), E> {
+        begin::begin(target.budget, &mut self.budget);
+        self.remember();
+        for _ in 0..ROUNDS {
+            self.grow(target, &may_be)?;
+            self.stitch();
+            if target.budget == 0 {
+                break;
+            }
+            let triangles = *self.trees.triangle_offsets.last().unwrap_or(&0);
+            afford::afford(target.budget, triangles, &mut self.budget);
+            if self.budget.fits != 0 {
+                break;
+            }
+        }
+        finish::finish(&self.trees, self.budget.coarser, &mut self.status, &mut self.draw);
         self.dice();
         self.connect();
+        Ok(())
     }
 
     /// The trees.
     pub fn refine(&mut self, target: &Target) {
+        self.remember();
+        let Ok(()) = self.grow::<std::convert::Infallible>(target, &|_| Ok(()));
+    }
+
+    /// The children that stand are those of the frame before.
+    fn remember(&mut self) {
+        std::mem::swap(&mut self.trees.children, &mut self.children_before);
+    }
+
+    fn grow<E>(&mut self, target: &Target, may_be: &impl Fn(u64) -> Result<(), E>) -> Result<(), E> {
         let mut t = std::mem::take(&mut self.trees);
-        std::mem::swap(&mut t.children, &mut self.children_before);
-        t.begin(&self.start, !self.children_before.is_empty());
+        let before = &self.children_before;
+        t.begin(&self.start, !before.is_empty());
         while t.level < t.nodes.len() {
-            decide::decide(&self.patches(), self.topology.words(), target, &self.children_before, &mut t);
+            let words = self.topology.words();
+            decide::decide(&self.patches(), words, target, self.budget.coarser, before, &mut t);
+            let split: u64 = t.counts.par_iter().map(|&count| u64::from(count)).sum();
+            may_be(t.nodes.len() as u64 + 4 * split)?;
             t.offsets.resize(t.counts.len() + 1, 0);
             scan(&t.counts, &mut t.offsets);
-            split::split(&self.children_before, &mut t);
+            split::split(before, &mut t);
             advance::advance(&mut t);
         }
         self.trees = t;
+        Ok(())
     }
 
     /// Who owns which vertex and makes which triangle.
@@ -203,7 +285,6 @@ impl Tessellator {
         scan(&t.counts, &mut t.offsets);
         scan(&t.triangle_counts, &mut t.triangle_offsets);
         self.trees = t;
-        finish::finish(&self.trees, &mut self.status, &mut self.draw);
     }
 
     /// Vertices, of trees that stand: after other control points, too.
@@ -229,13 +310,15 @@ impl Tessellator {
     /// When the format is not [`Format::default`].
     pub fn mesh(&self) -> Mesh {
         assert_eq!(self.format, Format::default(), "the format of a mesh");
-        let vertices: &[[f32; 8]] = bytemuck::cast_slice(&self.out.vertices);
-        Mesh {
-            positions: vertices.iter().map(|v| [v[0], v[1], v[2]]).collect(),
-            normals: vertices.iter().map(|v| [v[3], v[4], v[5]]).collect(),
-            uvs: vertices.iter().map(|v| [v[6], v[7]]).collect(),
-            indices: self.out.indices.clone(),
-        }
+        mesh_of(&self.out.vertices, self.out.indices.clone())
+    }
+
+    /// The mesh, and which leaf each triangle comes from.
+    ///
+    /// # Panics
+    /// When the format is not [`Format::default`].
+    pub fn complete(&self) -> Complete {
+        Complete::new(self.mesh(), &self.trees.nodes, &self.out.cells, self.status)
     }
 }
 

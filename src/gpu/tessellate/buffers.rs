@@ -2,6 +2,7 @@
 
 use super::super::{Engine, Error};
 use super::Capacity;
+use crate::tessellate::budget::Budget;
 use crate::tessellate::lattice::{MAX_DEPTH, Node};
 use crate::tessellate::level::Target;
 use crate::tessellate::passes::{DrawArgs, Status};
@@ -77,6 +78,8 @@ pub(super) struct Buffers {
     pub indices: wgpu::Buffer,
     pub cells: wgpu::Buffer,
     pub draw: wgpu::Buffer,
+    /// [`Budget`].
+    pub budget: wgpu::Buffer,
     pub status: wgpu::Buffer,
     section: u64,
 }
@@ -142,6 +145,7 @@ impl Buffers {
                 size_of::<DrawArgs>() as u64,
                 storage | BufferUsages::INDIRECT,
             )?,
+            budget: make("burgeon budget", size_of::<Budget>() as u64, storage)?,
             status: make("burgeon status", size_of::<Status>() as u64, storage)?,
             section: section * 4,
         };

@@ -7,12 +7,14 @@ use crate::codegen::{self, Tessellation};
 
 /// One kernel a pass.
 pub(super) struct Kernels {
+    begin: Kernel,
     decide: Kernel,
     pub scan: Kernel,
     split: Kernel,
     advance: Kernel,
     mark: Kernel,
     tally: Kernel,
+    afford: Kernel,
     finish: Kernel,
     vertices: Kernel,
     triangles: Kernel,
@@ -20,12 +22,14 @@ pub(super) struct Kernels {
 
 /// What they are bound to, for one frame of two that take turns.
 pub(super) struct Groups {
+    pub begin: wgpu::BindGroup,
     pub decide: wgpu::BindGroup,
     pub scan: [wgpu::BindGroup; 2],
     pub split: wgpu::BindGroup,
     pub advance: wgpu::BindGroup,
     pub mark: wgpu::BindGroup,
     pub tally: wgpu::BindGroup,
+    pub afford: wgpu::BindGroup,
     pub finish: wgpu::BindGroup,
     pub vertices: wgpu::BindGroup,
     pub triangles: wgpu::BindGroup,
@@ -40,17 +44,19 @@ impl Kernels {
             Kernel::with_bindings(engine, shader, bindings, entries)
         };
         Ok(Kernels {
+            begin: kernel(&s.begin, &[Uniform, Uniform, Read, Written, Written], &["begin"]),
             decide: kernel(
                 &s.decide,
-                &[Slot, Uniform, Uniform, Read, Read, Read, Read, Written, Written],
+                &[Slot, Uniform, Uniform, Read, Read, Read, Read, Read, Written, Written],
                 &["decide"],
             ),
             scan: kernel(&s.scan, &[Slot, Read, Written, Written], &["reduce", "spine", "scan"]),
             split: kernel(&s.split, &[Slot, Uniform, Read, Read, Written, Written, Written], &["split"]),
-            advance: kernel(&s.advance, &[Slot, Uniform, Read, Written, Written], &["advance"]),
+            advance: kernel(&s.advance, &[Slot, Uniform, Read, Read, Written, Written], &["advance"]),
             mark: kernel(&s.mark, &[Slot, Read, Read, Read, Read, Written], &["mark"]),
             tally: kernel(&s.tally, &[Slot, Uniform, Read, Read, Read, Read, Written, Written], &["tally"]),
-            finish: kernel(&s.finish, &[Slot, Uniform, Read, Written, Written, Written], &["finish"]),
+            afford: kernel(&s.afford, &[Slot, Uniform, Uniform, Read, Written, Written], &["afford"]),
+            finish: kernel(&s.finish, &[Slot, Uniform, Read, Read, Written, Written, Written], &["finish"]),
             vertices: kernel(
                 &s.vertices,
                 &[Slot, Uniform, Read, Read, Read, Read, Read, Read, Read, Written],
@@ -85,10 +91,21 @@ impl Kernels {
             bind(&self.scan, range, &[section(&b.counts, s), section(&b.offsets, s), sums])
         };
         Groups {
+            begin: self.begin.bind(engine, &all![&b.sizes, &b.target, &b.ranges, &b.dispatches, &b.budget]),
             decide: bind(
                 &self.decide,
                 range,
-                &all![&b.sizes, &b.target, &b.topology, &b.nets, &b.nodes, before, &b.counts, &b.marks],
+                &all![
+                    &b.sizes,
+                    &b.target,
+                    &b.topology,
+                    &b.nets,
+                    &b.nodes,
+                    before,
+                    &b.budget,
+                    &b.counts,
+                    &b.marks
+                ],
             ),
             scan: [scan(Section::Vertices), scan(Section::Triangles)],
             split: bind(
@@ -99,7 +116,7 @@ impl Kernels {
             advance: bind(
                 &self.advance,
                 slot(&b.turns),
-                &all![&b.sizes, &b.offsets, &b.ranges, &b.dispatches],
+                &all![&b.sizes, &b.offsets, &b.budget, &b.ranges, &b.dispatches],
             ),
             mark: bind(&self.mark, range, &all![&b.topology, &b.nodes, children, &b.table, &b.marks]),
             tally: bind(
@@ -107,7 +124,16 @@ impl Kernels {
                 range,
                 &all![&b.sizes, &b.topology, &b.nodes, children, &b.table, &b.marks, &b.counts],
             ),
-            finish: bind(&self.finish, range, &all![&b.sizes, &b.offsets, &b.status, &b.draw, &b.last]),
+            afford: bind(
+                &self.afford,
+                range,
+                &all![&b.sizes, &b.target, &b.offsets, &b.dispatches, &b.budget],
+            ),
+            finish: bind(
+                &self.finish,
+                range,
+                &all![&b.sizes, &b.offsets, &b.budget, &b.status, &b.draw, &b.last],
+            ),
             vertices: bind(
                 &self.vertices,
                 range,
@@ -144,11 +170,13 @@ impl Kernels {
     /// The pass of this kernel.
     pub fn of(&self, pass: Pass) -> &wgpu::ComputePipeline {
         let kernel = match pass {
+            Pass::Begin => &self.begin,
             Pass::Decide => &self.decide,
             Pass::Split => &self.split,
             Pass::Advance => &self.advance,
             Pass::Mark => &self.mark,
             Pass::Tally => &self.tally,
+            Pass::Afford => &self.afford,
             Pass::Finish => &self.finish,
             Pass::Vertices => &self.vertices,
             Pass::Triangles => &self.triangles,
@@ -160,11 +188,13 @@ impl Kernels {
 /// The passes of one dispatch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Pass {
+    Begin,
     Decide,
     Split,
     Advance,
     Mark,
     Tally,
+    Afford,
     Finish,
     Vertices,
     Triangles,

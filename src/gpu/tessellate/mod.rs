@@ -4,6 +4,9 @@
 //! number of triangles is in the arguments of an indirect draw. Where the room runs out nothing is written
 //! past its end; how much it would have taken is told a frame or so later ([`Tessellator::status`]).
 //!
+//! Who wants a mesh on the host and no frames takes [`Tessellator::complete`], which waits, and makes room
+//! until all fits.
+//!
 //! # Embedding
 //!
 //! Once, the patches go to a device that the engine borrows (default limits, no features):
@@ -59,6 +62,7 @@
 //!   some frames late, as [`Status::complete`]; then [`Tessellator::set_capacity`] makes new buffers, and
 //!   what binds the old ones must be bound anew. Take more than [`Capacity::of`] gives: below cells without
 //!   room nothing was counted.
+//! - **A budget** of triangles, [`Level::budget`], is kept on the device by a higher tolerance.
 //! - **Hysteresis** keeps cells split until their error is clearly below the tolerance, so that none
 //!   flickers at the limit.
 //! - **[Freezing](Tessellator::freeze)** keeps the triangles as they are while the camera goes on, to look
@@ -68,6 +72,7 @@
 //!   then equal to the bit, and there is still no crack.
 
 mod buffers;
+mod complete;
 mod kernels;
 mod report;
 
@@ -75,6 +80,7 @@ use super::buffers as reading;
 use super::{Engine, Error};
 use crate::codegen::Tessellation;
 use crate::patch::{Net, Word};
+use crate::tessellate::budget::ROUNDS;
 use crate::tessellate::lattice::Node;
 use crate::tessellate::level::Target;
 use crate::tessellate::passes::{DrawArgs, Status};
@@ -300,9 +306,21 @@ impl Tessellator {
             // The children that stand are those of the frame before.
             return self.part(pass, Part::Vertices, 1 - self.turn);
         }
-        for part in PARTS {
-            self.part(pass, part, self.turn);
+        let g = &self.groups[self.turn];
+        pass.set_pipeline(self.kernels.of(Pass::Begin));
+        pass.set_bind_group(0, &g.begin, &[]);
+        pass.dispatch_workgroups(1, 1, 1);
+        let rounds = if self.target.budget == 0 { 1 } else { ROUNDS };
+        for _ in 0..rounds {
+            self.part(pass, Part::Refine, self.turn);
+            self.part(pass, Part::Stitch, self.turn);
+            if rounds > 1 {
+                self.one(pass, Pass::Afford, &g.afford, ALL, Workgroups::One);
+            }
         }
+        self.one(pass, Pass::Finish, &g.finish, ALL, Workgroups::One);
+        self.part(pass, Part::Vertices, self.turn);
+        self.part(pass, Part::Triangles, self.turn);
         self.turn = 1 - self.turn;
     }
 
@@ -331,7 +349,6 @@ impl Tessellator {
                 self.one(pass, Pass::Tally, &g.tally, ALL, Workgroups::Nodes);
                 self.scan(pass, &g.scan[0], ALL);
                 self.scan(pass, &g.scan[1], ALL);
-                self.one(pass, Pass::Finish, &g.finish, ALL, Workgroups::One);
             }
             Part::Vertices => self.one(pass, Pass::Vertices, &g.vertices, ALL, Workgroups::Last),
             Part::Triangles => self.one(pass, Pass::Triangles, &g.triangles, ALL, Workgroups::Last),
@@ -454,14 +471,11 @@ impl Tessellator {
 pub enum Part {
     /// The trees: decide, scan, split and advance, level by level.
     Refine,
-    /// Who owns which vertex and makes which triangle: mark, tally, scan, finish.
+    /// Who owns which vertex and makes which triangle: mark, tally, scan.
     Stitch,
     Vertices,
     Triangles,
 }
-
-/// All parts, in order.
-pub const PARTS: [Part; 4] = [Part::Refine, Part::Stitch, Part::Vertices, Part::Triangles];
 
 /// Workgroups of a dispatch.
 #[derive(Clone, Copy)]

@@ -57,6 +57,9 @@ fn sample(uv: vec2f) -> Sample {
     du += v.w[c] * slope;
     dv += v.d[c] * value;
   }
+  if !RATIONAL {
+    return Sample(point.xyz, du.xyz, dv.xyz);
+  }
   let position = point.xyz / point.w;
   return Sample(position, (du.xyz - position * du.w) / point.w, (dv.xyz - position * dv.w) / point.w);
 }

@@ -1,0 +1,74 @@
+//! A tessellation made once and read: for programs that want a mesh on the host, not a frame.
+
+use super::{Capacity, Tessellator};
+use crate::gpu::Error;
+use crate::gpu::buffers as reading;
+use crate::tessellate::passes::Status;
+use crate::tessellate::vertex::Format;
+use crate::tessellate::{Complete, mesh_of};
+
+impl Tessellator {
+    /// Submits frames until one fits, making room for what the one before wanted, and reads it. What room there
+    /// is at first is a guess that costs a frame each time it is too small. A frozen tessellation is thawed.
+    ///
+    /// # Errors
+    /// [`Error::Format`] for vertices in another format than [`Format::default`]; [`Error::Binding`] when the
+    /// triangles take more room than the device binds; what the device says.
+    pub fn complete(&mut self) -> Result<Complete, Error> {
+        if *self.format() != Format::default() {
+            return Err(Error::Format);
+        }
+        self.freeze(false);
+        // A frame that does not fit wants more of something than there is, so the room grows each time and
+        // the device's limits end this.
+        loop {
+            self.submit()?;
+            let status = self.read_status()?;
+            if status.complete() {
+                break;
+            }
+            self.set_capacity(&Capacity::of(&status).or_more(&Capacity::given(&status)))?;
+        }
+        let frame = self.read()?;
+        let mesh = mesh_of(&frame.vertices, frame.indices);
+        Ok(Complete::new(mesh, &frame.nodes, &frame.cells, frame.status))
+    }
+
+    fn submit(&mut self) -> Result<(), Error> {
+        let engine = self.engine.clone();
+        engine.checked("tessellating", || {
+            let label = wgpu::CommandEncoderDescriptor { label: Some("burgeon tessellation") };
+            let mut encoder = engine.device.create_command_encoder(&label);
+            self.encode(&mut encoder);
+            engine.queue.submit([encoder.finish()]);
+            Ok(())
+        })
+    }
+
+    /// Waits for what was submitted.
+    fn read_status(&self) -> Result<Status, Error> {
+        let bytes = size_of::<Status>() as u64;
+        let read = reading::read(&self.engine, "reading a tessellation", &self.buffers.status, bytes)?;
+        Ok(read.first().copied().unwrap_or_default())
+    }
+}
+
+impl Capacity {
+    /// The room that a frame had.
+    fn given(status: &Status) -> Capacity {
+        Capacity {
+            nodes: status.node_capacity,
+            vertices: status.vertex_capacity,
+            indices: status.index_capacity,
+        }
+    }
+
+    /// The larger of each.
+    fn or_more(self, other: &Capacity) -> Capacity {
+        Capacity {
+            nodes: self.nodes.max(other.nodes),
+            vertices: self.vertices.max(other.vertices),
+            indices: self.indices.max(other.indices),
+        }
+    }
+}
