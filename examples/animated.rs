@@ -62,8 +62,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let nets = bpt::read(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/data/teapot.bpt"), false)?;
     let engine = Engine::new(&device, &queue);
-    // Too little, on purpose: with few nodes the first frames are coarse, but whole.
-    let room = Capacity { nodes: 400, vertices: 1000, indices: 6000 };
+    // Too little, on purpose.
+    let room = room(400);
     let mut teapot = Tessellator::new(&engine, &nets, &level(&camera(0.0)), &Options::default(), &room)?;
     let points: Vec<[f32; 4]> = nets.iter().flat_map(|net| net.points.iter().copied()).collect();
     let mut sway = Sway::new(&device, &points, teapot.points());
@@ -152,10 +152,16 @@ fn level(camera: &Camera) -> Level {
     Level { hysteresis: 0.25, ..Level::pixels(1.0, *camera) }
 }
 
-/// What was wanted and half as much again: a camera moves on, and children that found no room were not counted.
+/// What was wanted and half as much again: the camera moves on, and below cells without room nothing was
+/// counted. With a vertex and two triangles a node, a frame that is short of nodes is coarse, and none is
+/// missing.
 fn roomier(status: &Status) -> Capacity {
-    let more = |wanted: u32| wanted.saturating_add(wanted / 2);
-    Capacity { nodes: more(status.nodes), vertices: more(status.vertices), indices: more(status.indices) }
+    let wanted = status.nodes.max(status.vertices).max(status.indices / 6);
+    room(wanted.saturating_add(wanted / 2))
+}
+
+fn room(nodes: u32) -> Capacity {
+    Capacity { nodes, vertices: nodes, indices: nodes.saturating_mul(6) }
 }
 
 /// The compute pass that moves the control points.

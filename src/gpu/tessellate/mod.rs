@@ -61,7 +61,8 @@
 //!   room for vertices or indices the frame before is drawn again. Either is in [`Tessellator::status`],
 //!   some frames late, as [`Status::complete`]; then [`Tessellator::set_capacity`] makes new buffers, and
 //!   what binds the old ones must be bound anew. Take more than [`Capacity::of`] gives: below cells without
-//!   room nothing was counted.
+//!   room nothing was counted. In a new room no frame before stands: with a vertex and six indices a node,
+//!   one that is short of nodes is coarse, and none is missing.
 //! - **A budget** of triangles, [`Level::budget`], is kept on the device by a higher tolerance.
 //! - **Hysteresis** keeps cells split until their error is clearly below the tolerance, so that none
 //!   flickers at the limit.
