@@ -106,6 +106,8 @@
 //! - [`patch`]: nets, words, evaluation of points and normals.
 //! - [`tessellate`]: leaves to triangles, as grids or as one watertight mesh within a tolerance; on the CPU by
 //!   [`cpu::tessellate`], on a device, frame by frame or once, by `gpu::tessellate`.
+//! - `gpu::tessellate` (with the feature `gpu`): patches to watertight triangles, each frame anew, in a
+//!   renderer of yours, with a walk through it.
 //! - [`io`]: `.bpt`, `.bv`, `.json`, `.obj`, `.ply`, `.glb`, `.png`.
 //! - [`plan::layout`], then [`plan::step`]: how a step works; both backends walk the same list of passes.
 //! - `conformance` (with the feature `gpu`): the suite that holds a device against the CPU, for the

@@ -3,6 +3,8 @@
 
 #[cfg(feature = "gpu")]
 mod device;
+#[cfg(feature = "gpu")]
+mod examples;
 mod invariants;
 mod kernels;
 #[cfg(feature = "gpu")]

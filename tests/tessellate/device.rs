@@ -255,6 +255,7 @@ fn room_that_is_one_too_small_is_told_and_nothing_is_written_past_it() {
         assert_eq!(after.vertices[..before.vertices.len()], before.vertices, "{what}");
         assert!(after.vertices[before.vertices.len()..].iter().all(|&w| w == 0), "{what}");
         gpu.set_capacity(&Capacity::of(&after.status)).expect("room");
+        assert_eq!(gpu.status(), None, "a status of the old room");
         let grown = submit(&engine, &mut gpu);
         assert!(grown.status.complete(), "{what}: {:?}", grown.status);
         assert_eq!(grown.status.frame, 1, "{what}");

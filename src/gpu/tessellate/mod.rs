@@ -1,11 +1,76 @@
 //! Watertight tessellation on the device: [`Tessellator::encode`] records a frame and does nothing else.
 //!
 //! Nothing is read back, waited for or allocated between frames: every count stays on the device, and the
-//! number of triangles is in the arguments of an indirect draw. Where the room runs out nothing is written past
-//! its end; how much it would have taken is told a frame or so later ([`Tessellator::status`]).
+//! number of triangles is in the arguments of an indirect draw. Where the room runs out nothing is written
+//! past its end; how much it would have taken is told a frame or so later ([`Tessellator::status`]).
 //!
 //! Who wants a mesh on the host and no frames takes [`Tessellator::complete`], which waits, and makes room
 //! until all fits.
+//!
+//! # Embedding
+//!
+//! Once, the patches go to a device that the engine borrows (default limits, no features):
+//!
+//! ```no_run
+//! use burgeon::gpu::{Engine, tessellate::{Capacity, Tessellator}};
+//! use burgeon::tessellate::{Camera, Level, Options};
+//! # fn prepare(device: &wgpu::Device, queue: &wgpu::Queue, nets: &[burgeon::patch::Net], camera: Camera)
+//! #     -> Result<Tessellator, burgeon::gpu::Error> {
+//!
+//! let engine = Engine::new(device, queue);
+//! let level = Level { hysteresis: 0.25, ..Level::pixels(0.5, camera) };
+//! let room = Capacity::for_vertices(50_000);
+//! let mut tessellator = Tessellator::new(&engine, nets, &level, &Options::default(), &room)?;
+//! tessellator.warm_up(); // else the driver compiles in the first frame
+//! # Ok(tessellator)
+//! # }
+//! ```
+//!
+//! Each frame it is recorded before the pass that draws it, in the same encoder or in one that is submitted
+//! earlier:
+//!
+//! ```no_run
+//! # use burgeon::gpu::tessellate::Tessellator;
+//! # use burgeon::tessellate::Level;
+//! # fn frame(tessellator: &mut Tessellator, encoder: &mut wgpu::CommandEncoder, level: &Level,
+//! #     begin: impl Fn(&mut wgpu::CommandEncoder) -> wgpu::RenderPass<'_>) -> Result<(), burgeon::gpu::Error> {
+//! tessellator.set_level(level)?; // where the camera moved
+//! tessellator.encode(encoder);
+//!
+//! let mut pass = begin(encoder); // with the host's own pipeline
+//! pass.set_vertex_buffer(0, tessellator.vertices().slice(..));
+//! pass.set_index_buffer(tessellator.indices().slice(..), wgpu::IndexFormat::Uint32);
+//! pass.draw_indexed_indirect(tessellator.draw_args(), 0);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! The pipeline reads vertices as [`Format`] says: by default position, normal and uv in floats, 32 bytes.
+//! Triangles run counter-clockwise seen from the side that the normals point to. Complete programs are in
+//! the folder `examples/`: `own_device.rs`, `animated.rs` and, with another library on the same device,
+//! `beside_egui/`.
+//!
+//! - **A frame** allocates no buffer, bind group or pipeline, waits for nothing, and reads nothing but
+//!   its status, when that comes. [`Tessellator::set_level`] and [`Tessellator::set_points`] write through
+//!   the queue, so they hold for the next submission and all after it: with several frames in one
+//!   submission the last word holds for all.
+//! - **Points that move** are written to [`Tessellator::points`] by a pass of the host's, or by
+//!   [`Tessellator::set_points`]. Where nets met with equal control points, these must stay equal, to the
+//!   bit.
+//! - **Overflow**: without room for nodes some cells stay coarser, and the mesh is still closed. Without
+//!   room for vertices or indices the frame before is drawn again. Either is in [`Tessellator::status`],
+//!   some frames late, as [`Status::complete`]; then [`Tessellator::set_capacity`] makes new buffers, and
+//!   what binds the old ones must be bound anew. Take more than [`Capacity::of`] gives: below cells without
+//!   room nothing was counted. In a new room no frame before stands: with a vertex and six indices a node,
+//!   one that is short of nodes is coarse, and none is missing.
+//! - **A budget** of triangles, [`Level::budget`], is kept on the device by a higher tolerance.
+//! - **Hysteresis** keeps cells split until their error is clearly below the tolerance, so that none
+//!   flickers at the limit.
+//! - **[Freezing](Tessellator::freeze)** keeps the triangles as they are while the camera goes on, to look
+//!   at them from the side; points may still move.
+//! - **Seams**: patches share the vertices of their common curves, with the normal and uv of one of them.
+//!   Where each is to have its own, as a texture or a crease wants, take [`Options::seams`]; positions are
+//!   then equal to the bit, and there is still no crack.
 
 mod buffers;
 mod complete;
@@ -163,7 +228,8 @@ impl Tessellator {
         Ok(tessellator)
     }
 
-    /// Other room, in new buffers. Control points stay; the frame before is forgotten.
+    /// Other room, in new buffers: what binds the old ones must be bound anew. Control points stay; the frame
+    /// before is forgotten, and [`Tessellator::status`] is none until a frame has run in the new room.
     ///
     /// # Errors
     /// As for [`Tessellator::new`]; then the old room is still there.
@@ -187,6 +253,8 @@ impl Tessellator {
             engine.queue.write_buffer(&buffers.target, 0, bytemuck::bytes_of(&self.target));
             self.groups = [0, 1].map(|now| self.kernels.groups(&engine, &buffers, now));
             self.buffers = buffers;
+            // What is still to come of frames in the old room is not to be taken for news of this one.
+            self.report = Report::new(&engine);
             Ok(())
         })
     }
