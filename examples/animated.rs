@@ -9,7 +9,6 @@ mod host;
 use burgeon::gpu::Engine;
 use burgeon::gpu::tessellate::{Capacity, Tessellator};
 use burgeon::io::bpt;
-use burgeon::tessellate::passes::Status;
 use burgeon::tessellate::{Camera, Level, Options};
 use std::collections::VecDeque;
 use std::error::Error;
@@ -63,10 +62,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let nets = bpt::read(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/data/teapot.bpt"), false)?;
     let engine = Engine::new(&device, &queue);
     // Too little, on purpose.
-    let room = room(400);
+    let room = Capacity { nodes: 400, vertices: 400, indices: 2400 };
     let mut teapot = Tessellator::new(&engine, &nets, &level(&camera(0.0)), &Options::default(), &room)?;
     let points: Vec<[f32; 4]> = nets.iter().flat_map(|net| net.points.iter().copied()).collect();
-    let mut sway = Sway::new(&device, &points, teapot.points());
+    let sway = Sway::new(&device, &points, teapot.points());
     let vertices = wgpu::VertexBufferLayout {
         array_stride: teapot.format().stride(),
         step_mode: wgpu::VertexStepMode::Vertex,
@@ -76,14 +75,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let target = host::Target::new(&device, SIZE);
 
     let mut under_way = VecDeque::new();
-    let mut grown_at = 0;
     for frame in 0..frames {
         if let Some(status) = teapot.status().filter(|status| !status.complete()) {
-            // All buffers but those of the host are new.
-            println!("frame {frame:3}: grows, as frame {} had too little room", number(&status, grown_at));
-            teapot.set_capacity(&roomier(&status))?;
-            sway.bind(&device, teapot.points());
-            grown_at = frame;
+            // All buffers but the control points are new; what was drawn is in them.
+            println!("frame {frame:3}: grows, as frame {} had too little room", status.frame - 1);
+            teapot.set_capacity(&Capacity::grown(&status))?;
         }
 
         let begun = Instant::now();
@@ -106,7 +102,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let submission = queue.submit([encoder.finish()]);
 
         let known = teapot.status().map_or("no frame is known yet".into(), |status| {
-            format!("{} triangles in frame {}", status.indices / 3, number(&status, grown_at))
+            format!("{} triangles in frame {}", status.indices / 3, status.frame - 1)
         });
         println!("frame {frame:3}: recorded in {:.2} ms; {known}", recorded.as_secs_f64() * 1e3);
         under_way.push_back((shot, submission, folder.join(format!("{frame:03}.png"))));
@@ -117,11 +113,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     under_way.into_iter().try_for_each(|(shot, submission, path)| shot.save(&device, submission, path))
-}
-
-/// A status counts frames from 1, and anew where there is new room.
-fn number(status: &Status, grown_at: u32) -> u32 {
-    grown_at + status.frame - 1
 }
 
 /// The frames to make, and where they go.
@@ -152,22 +143,9 @@ fn level(camera: &Camera) -> Level {
     Level { hysteresis: 0.25, ..Level::pixels(1.0, *camera) }
 }
 
-/// What was wanted and half as much again: the camera moves on, and below cells without room nothing was
-/// counted. With a vertex and two triangles a node, a frame that is short of nodes is coarse, and none is
-/// missing.
-fn roomier(status: &Status) -> Capacity {
-    let wanted = status.nodes.max(status.vertices).max(status.indices / 6);
-    room(wanted.saturating_add(wanted / 2))
-}
-
-fn room(nodes: u32) -> Capacity {
-    Capacity { nodes, vertices: nodes, indices: nodes.saturating_mul(6) }
-}
-
 /// The compute pass that moves the control points.
 struct Sway {
     pipeline: wgpu::ComputePipeline,
-    rest: wgpu::Buffer,
     phase: wgpu::Buffer,
     group: wgpu::BindGroup,
     workgroups: u32,
@@ -196,27 +174,15 @@ impl Sway {
         };
         let rest = buffer("rest", bytemuck::cast_slice(points), BufferUsages::STORAGE);
         let phase = buffer("phase", &[0; 16], BufferUsages::UNIFORM | BufferUsages::COPY_DST);
-        let group = Sway::group(device, &pipeline, [&rest, moved, &phase]);
-        Sway { pipeline, rest, phase, group, workgroups: (points.len() as u32).div_ceil(64) }
-    }
-
-    fn group(
-        device: &wgpu::Device,
-        pipeline: &wgpu::ComputePipeline,
-        buffers: [&wgpu::Buffer; 3],
-    ) -> wgpu::BindGroup {
+        let bound = [&rest, moved, &phase];
         let entry =
-            |n: usize| wgpu::BindGroupEntry { binding: n as u32, resource: buffers[n].as_entire_binding() };
-        device.create_bind_group(&wgpu::BindGroupDescriptor {
+            |n: usize| wgpu::BindGroupEntry { binding: n as u32, resource: bound[n].as_entire_binding() };
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("sway"),
             layout: &pipeline.get_bind_group_layout(0),
             entries: &[0, 1, 2].map(entry),
-        })
-    }
-
-    /// From now on to these control points.
-    fn bind(&mut self, device: &wgpu::Device, moved: &wgpu::Buffer) {
-        self.group = Sway::group(device, &self.pipeline, [&self.rest, moved, &self.phase]);
+        });
+        Sway { pipeline, phase, group, workgroups: (points.len() as u32).div_ceil(64) }
     }
 
     fn encode(&self, queue: &wgpu::Queue, encoder: &mut wgpu::CommandEncoder, phase: f32) {

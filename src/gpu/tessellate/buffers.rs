@@ -90,7 +90,14 @@ fn section_words(nodes: u32) -> u64 {
 }
 
 impl Buffers {
-    pub fn new(engine: &Engine, input: &Input, capacity: &Capacity) -> Result<Buffers, Error> {
+    /// The buffers of a set. Of `before`, if it is given, what does not depend on the room is kept: control
+    /// points, topology, level, and how many frames there were.
+    pub fn new(
+        engine: &Engine,
+        input: &Input,
+        capacity: &Capacity,
+        before: Option<&Buffers>,
+    ) -> Result<Buffers, Error> {
         let nodes = capacity.nodes.max(input.start.len() as u32);
         let section = section_words(nodes);
         let tile = engine.tuning().tile();
@@ -109,15 +116,24 @@ impl Buffers {
             }))
         };
         let written = storage | BufferUsages::COPY_DST;
+        let kept = |of: fn(&Buffers) -> &wgpu::Buffer, label, bytes: u64, usage| match before {
+            Some(before) => Ok(of(before).clone()),
+            None => make(label, bytes, usage),
+        };
         let uniform = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
         let n = u64::from(nodes);
         let vertices = u64::from(capacity.vertices) * input.format.stride();
         let indices = u64::from(capacity.indices);
         let buffers = Buffers {
-            nets: make("burgeon control points", size_of_val(input.nets) as u64, written)?,
-            topology: make("burgeon topology", size_of_val(input.topology) as u64, written)?,
-            table: make("burgeon leaves of the word", size_of_val(input.table) as u64, written)?,
-            target: make("burgeon level", size_of::<Target>() as u64, uniform)?,
+            nets: kept(|b| &b.nets, "burgeon control points", size_of_val(input.nets) as u64, written)?,
+            topology: kept(|b| &b.topology, "burgeon topology", size_of_val(input.topology) as u64, written)?,
+            table: kept(
+                |b| &b.table,
+                "burgeon leaves of the word",
+                size_of_val(input.table) as u64,
+                written,
+            )?,
+            target: kept(|b| &b.target, "burgeon level", size_of::<Target>() as u64, uniform)?,
             outputs: make("burgeon outputs", size_of::<Outputs>() as u64, uniform)?,
             sizes: make("burgeon sizes", size_of::<Sizes>() as u64, uniform)?,
             turns: make("burgeon levels", u64::from(LEVELS) * SLOT, uniform)?,
@@ -137,23 +153,25 @@ impl Buffers {
             counts: make("burgeon counts", 2 * section * 4, storage)?,
             offsets: make("burgeon offsets", 2 * section * 4, storage)?,
             sums: make("burgeon sums", (n.div_ceil(u64::from(tile)) + 1) * 4, storage)?,
-            vertices: make("burgeon vertices", vertices, storage | BufferUsages::VERTEX)?,
-            indices: make("burgeon indices", indices * 4, storage | BufferUsages::INDEX)?,
-            cells: make("burgeon cells of triangles", indices / 3 * 4, storage)?,
+            vertices: make("burgeon vertices", vertices, written | BufferUsages::VERTEX)?,
+            indices: make("burgeon indices", indices * 4, written | BufferUsages::INDEX)?,
+            cells: make("burgeon cells of triangles", indices / 3 * 4, written)?,
             draw: make(
                 "burgeon draw arguments",
                 size_of::<DrawArgs>() as u64,
-                storage | BufferUsages::INDIRECT,
+                written | BufferUsages::INDIRECT,
             )?,
-            budget: make("burgeon budget", size_of::<Budget>() as u64, storage)?,
-            status: make("burgeon status", size_of::<Status>() as u64, storage)?,
+            budget: kept(|b| &b.budget, "burgeon budget", size_of::<Budget>() as u64, storage)?,
+            status: kept(|b| &b.status, "burgeon status", size_of::<Status>() as u64, storage)?,
             section: section * 4,
         };
         let queue = &engine.queue;
         let write = |buffer: &wgpu::Buffer, at: u64, bytes: &[u8]| queue.write_buffer(buffer, at, bytes);
-        write(&buffers.nets, 0, bytemuck::cast_slice(input.nets));
-        write(&buffers.topology, 0, bytemuck::cast_slice(input.topology));
-        write(&buffers.table, 0, bytemuck::cast_slice(input.table));
+        if before.is_none() {
+            write(&buffers.nets, 0, bytemuck::cast_slice(input.nets));
+            write(&buffers.topology, 0, bytemuck::cast_slice(input.topology));
+            write(&buffers.table, 0, bytemuck::cast_slice(input.table));
+        }
         write(&buffers.nodes, 0, bytemuck::cast_slice(input.start));
         let outputs = input.format.outputs(capacity.vertices);
         write(&buffers.outputs, 0, bytemuck::bytes_of(&outputs));
@@ -180,6 +198,21 @@ impl Buffers {
         let first = [groups(engine.tuning().workgroup), groups(tile)];
         write(&buffers.dispatches, 0, bytemuck::cast_slice(&first));
         Ok(buffers)
+    }
+
+    /// Copies what is drawn from other buffers, if there is room for it here and it would lie the same.
+    pub fn copy_drawn(&self, encoder: &mut wgpu::CommandEncoder, from: &Buffers, format: &Format) {
+        let pairs = [
+            (&from.vertices, &self.vertices),
+            (&from.indices, &self.indices),
+            (&from.cells, &self.cells),
+            (&from.draw, &self.draw),
+        ];
+        if !format.separate && pairs.iter().all(|(old, new)| old.size() <= new.size()) {
+            for (old, new) in pairs {
+                encoder.copy_buffer_to_buffer(old, 0, new, 0, old.size());
+            }
+        }
     }
 
     pub fn section_bytes(&self) -> u64 {

@@ -27,7 +27,7 @@ impl Tessellator {
             if status.complete() {
                 break;
             }
-            self.set_capacity(&Capacity::of(&status).or_more(&Capacity::given(&status)))?;
+            self.set_capacity(&Capacity::grown(&status))?;
         }
         let frame = self.read()?;
         let mesh = mesh_of(&frame.vertices, frame.indices);
@@ -50,25 +50,5 @@ impl Tessellator {
         let bytes = size_of::<Status>() as u64;
         let read = reading::read(&self.engine, "reading a tessellation", &self.buffers.status, bytes)?;
         Ok(read.first().copied().unwrap_or_default())
-    }
-}
-
-impl Capacity {
-    /// The room that a frame had.
-    fn given(status: &Status) -> Capacity {
-        Capacity {
-            nodes: status.node_capacity,
-            vertices: status.vertex_capacity,
-            indices: status.index_capacity,
-        }
-    }
-
-    /// The larger of each.
-    fn or_more(self, other: &Capacity) -> Capacity {
-        Capacity {
-            nodes: self.nodes.max(other.nodes),
-            vertices: self.vertices.max(other.vertices),
-            indices: self.indices.max(other.indices),
-        }
     }
 }

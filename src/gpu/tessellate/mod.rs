@@ -113,6 +113,20 @@ impl Capacity {
     pub fn of(status: &Status) -> Capacity {
         Capacity { nodes: status.nodes, vertices: status.vertices, indices: status.indices }
     }
+
+    /// For what a frame wanted, and no less of anything than it had. Where nodes were too few it is not known
+    /// how many there would have been, so twice as many are taken at least.
+    pub fn grown(status: &Status) -> Capacity {
+        let short = status.nodes > status.node_capacity;
+        Capacity {
+            nodes: match short {
+                true => status.nodes.max(status.node_capacity.saturating_mul(2)),
+                false => status.node_capacity,
+            },
+            vertices: status.vertices.max(status.vertex_capacity),
+            indices: status.indices.max(status.index_capacity),
+        }
+    }
 }
 
 /// A set of patches, and the buffers of its tessellation.
@@ -130,7 +144,6 @@ pub struct Tessellator {
     topology: Topology,
     points: usize,
     start: Vec<Node>,
-    table: Option<Table>,
     target: Target,
     /// Levels that a frame may split.
     levels: u32,
@@ -202,7 +215,7 @@ impl Tessellator {
                 start: &start,
                 format: &options.format,
             };
-            let buffers = Buffers::new(engine, &input, capacity)?;
+            let buffers = Buffers::new(engine, &input, capacity, None)?;
             let groups = [0, 1].map(|now| kernels.groups(engine, &buffers, now));
             let roots = 0..topology.roots() as u32;
             let least = roots.map(|r| crate::tessellate::topology::least_depth(topology.words(), r));
@@ -217,7 +230,6 @@ impl Tessellator {
                 topology,
                 points: points.len(),
                 start,
-                table,
                 target: level.target()?,
                 levels: 0,
                 frozen: false,
@@ -228,32 +240,30 @@ impl Tessellator {
         Ok(tessellator)
     }
 
-    /// Other room, in new buffers: what binds the old ones must be bound anew. Control points stay; the frame
-    /// before is forgotten, and [`Tessellator::status`] is none until a frame has run in the new room.
+    /// Other room, in new buffers, but for [`Tessellator::points`]: what binds the others must be bound anew. What is
+    /// drawn is copied where there is more room than before and attributes are interleaved, so that the last frame
+    /// that fitted stays to be drawn; else nothing is drawn until a frame has run. What hysteresis remembers is
+    /// forgotten, and [`Tessellator::status`] is none until a frame has run in the new room.
     ///
     /// # Errors
     /// As for [`Tessellator::new`]; then the old room is still there.
     pub fn set_capacity(&mut self, capacity: &Capacity) -> Result<(), Error> {
         let engine = self.engine.clone();
         engine.checked("making room for a tessellation", || {
-            let zeros = vec![[0.0; 4]; self.points];
             let input = Input {
-                nets: &zeros,
+                nets: &[],
                 topology: self.topology.words(),
-                table: self.table.as_ref().map_or(&[0], |t| t.words()),
+                table: &[],
                 start: &self.start,
                 format: &self.what.options.format,
             };
-            let buffers = Buffers::new(&engine, &input, capacity)?;
+            let buffers = Buffers::new(&engine, &input, capacity, Some(&self.buffers))?;
             let label = wgpu::CommandEncoderDescriptor { label: Some("burgeon new room") };
             let mut encoder = engine.device.create_command_encoder(&label);
-            let old = &self.buffers;
-            encoder.copy_buffer_to_buffer(&old.nets, 0, &buffers.nets, 0, old.nets.size());
+            buffers.copy_drawn(&mut encoder, &self.buffers, self.format());
             engine.queue.submit([encoder.finish()]);
-            engine.queue.write_buffer(&buffers.target, 0, bytemuck::bytes_of(&self.target));
             self.groups = [0, 1].map(|now| self.kernels.groups(&engine, &buffers, now));
             self.buffers = buffers;
-            // What is still to come of frames in the old room is not to be taken for news of this one.
             self.report = Report::new(&engine);
             Ok(())
         })
