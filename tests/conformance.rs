@@ -50,6 +50,7 @@ fn chosen() -> Vec<Case> {
         "operations on vec4",
         "elementary functions",
         "random numbers",
+        "tessellation camera",
     ];
     let cases: Vec<Case> =
         conformance::cases().into_iter().filter(|c| names.contains(&c.name.as_str())).collect();

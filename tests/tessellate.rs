@@ -240,6 +240,27 @@ fn nearest(p: [f64; 2], t: [[f64; 2]; 3]) -> f64 {
     segment(t[0], t[1]).min(segment(t[1], t[2])).min(segment(t[2], t[0]))
 }
 
+/// So that a device that rounds otherwise makes the same mesh.
+#[cfg(feature = "gpu")]
+#[test]
+fn no_cell_of_the_conformance_suite_is_near_its_tolerance() {
+    for set in burgeon::conformance::tessellation::sets() {
+        let nets = bpt::parse(set.text.as_bytes(), set.rational).expect(set.name);
+        let trees = |factor: f32| {
+            let mut t = Tessellator::new(&nets, &Options::default());
+            let run = |level: &Level| {
+                let level = Level { tolerance: level.tolerance * factor, ..level.clone() };
+                t.run(&level.target().expect("a level"));
+                t.trees().nodes.clone()
+            };
+            set.levels.iter().map(run).collect::<Vec<_>>()
+        };
+        let as_it_is = trees(1.0);
+        assert_eq!(as_it_is, trees(1.00001), "{}", set.name);
+        assert_eq!(as_it_is, trees(0.99999), "{}", set.name);
+    }
+}
+
 #[test]
 fn levels_that_cannot_be_are_refused() {
     let refused = |level: Level| level.target().expect_err("a level that cannot be").to_string();

@@ -33,6 +33,7 @@ pub mod operations;
 pub mod random;
 pub mod scans;
 pub mod systems;
+pub mod tessellation;
 
 use crate::gpu::{self, Engine};
 use crate::plan::compare::PairError;
@@ -203,6 +204,7 @@ pub fn cases() -> Vec<Case> {
     cases.push(Case::new("elementary functions", |engine, _| elementary::compare(engine)));
     cases.push(Case::new("random numbers", |engine, _| random::compare(engine)));
     cases.extend(capacity::cases());
+    cases.extend(tessellation::cases());
     cases
 }
 

@@ -3,6 +3,7 @@
 use super::{derived, file, tessellated};
 use crate::device;
 use crate::tessellate::sets::{book, torus};
+use burgeon::conformance::tessellation::compare;
 use burgeon::cpu::tessellate::Tessellator as Cpu;
 use burgeon::gpu::tessellate::{Capacity, Frame, Tessellator};
 use burgeon::gpu::{Engine, Error};
@@ -19,57 +20,9 @@ pub fn submit(engine: &Engine, tessellator: &mut Tessellator) -> Frame {
     tessellator.read().expect("a frame")
 }
 
-/// What is not the same: integers must be equal, floats as near as their terms' rounding.
+/// What is not the same.
 pub fn difference(cpu: &Cpu, gpu: &Frame) -> Option<String> {
-    fn unequal<T: PartialEq + std::fmt::Debug>(what: &str, gpu: &[T], cpu: &[T]) -> Option<String> {
-        if gpu.len() != cpu.len() {
-            return Some(format!("{} of {what} for {}", gpu.len(), cpu.len()));
-        }
-        let at = gpu.iter().zip(cpu).position(|(a, b)| a != b)?;
-        Some(format!("{what} {at}: {:?} for {:?}", gpu[at], cpu[at]))
-    }
-    let (t, out) = (cpu.trees(), cpu.out());
-    let leaves = |marks: &[u32]| -> Vec<u32> {
-        let leaf = |n: &usize| t.children[*n] == 0;
-        (0..t.nodes.len()).filter(leaf).map(|n| marks.get(n).copied().unwrap_or(u32::MAX)).collect()
-    };
-    let floats = |packed: bool| {
-        if gpu.vertices.len() < out.vertices.len() {
-            return Some(format!("{} words of vertices for {}", gpu.vertices.len(), out.vertices.len()));
-        }
-        let far = |(k, (&a, &b)): (usize, (&u32, &u32))| {
-            let (x, y) = (f32::from_bits(a), f32::from_bits(b));
-            let near = match packed {
-                true => bytes_near(a, b),
-                // A small integer is a float that is nearly 0.
-                false => a == b || (x - y).abs() <= 1e-5 * y.abs().max(1.0) && x.is_normal() | (x == 0.0),
-            };
-            (!near).then(|| format!("word {k} of the vertices: {x} ({a:x}) for {y} ({b:x})"))
-        };
-        gpu.vertices.iter().zip(&out.vertices).enumerate().find_map(far)
-    };
-    let totals = (gpu.status.vertices, gpu.status.indices, gpu.status.nodes, gpu.status.frame);
-    let wanted = (cpu.status().vertices, cpu.status().indices, cpu.status().nodes, cpu.status().frame);
-    unequal("node", &gpu.nodes, &t.nodes)
-        .or_else(|| unequal("children", &gpu.children, &t.children))
-        .or_else(|| unequal("marks", &leaves(&gpu.marks), &leaves(&t.marks)))
-        .or_else(|| unequal("offset of vertices", &gpu.offsets, &t.offsets))
-        .or_else(|| unequal("offset of triangles", &gpu.triangle_offsets, &t.triangle_offsets))
-        .or_else(|| unequal("index", &gpu.indices, &out.indices))
-        .or_else(|| unequal("cell", &gpu.cells, &out.cells))
-        .or_else(|| (gpu.draw != *cpu.draw_args()).then(|| format!("{:?}", gpu.draw)))
-        .or_else(|| (totals != wanted).then(|| format!("{:?}", gpu.status)))
-        .or_else(|| floats(cpu.format().normal == Some(Normal::Octahedral)))
-}
-
-/// Packed words whose parts are but a step apart.
-fn bytes_near(a: u32, b: u32) -> bool {
-    let near = |a: i32, b: i32| (a - b).abs() <= 1;
-    let halves = near(a as u16 as i16 as i32, b as u16 as i16 as i32)
-        && near((a >> 16) as i16 as i32, (b >> 16) as i16 as i32);
-    let bytes =
-        a.to_le_bytes().iter().zip(b.to_le_bytes()).all(|(&a, b)| near((a as i8).into(), (b as i8).into()));
-    halves || bytes
+    compare(cpu, gpu).err().map(|e| e.to_string())
 }
 
 fn same(cpu: &Cpu, gpu: &Frame, what: &str) {

@@ -1,6 +1,6 @@
 //! A tessellation made once and read: for programs that want a mesh on the host, not a frame.
 
-use super::{Capacity, Tessellator};
+use super::{Capacity, Frame, Tessellator};
 use crate::gpu::Error;
 use crate::gpu::buffers as reading;
 use crate::tessellate::passes::Status;
@@ -32,6 +32,15 @@ impl Tessellator {
         let frame = self.read()?;
         let mesh = mesh_of(&frame.vertices, frame.indices);
         Ok(Complete::new(mesh, &frame.nodes, &frame.cells, frame.status))
+    }
+
+    /// Submits a frame, waits for it and reads it, whether or not it fitted.
+    ///
+    /// # Errors
+    /// What the device says.
+    pub fn frame(&mut self) -> Result<Frame, Error> {
+        self.submit()?;
+        self.read()
     }
 
     fn submit(&mut self) -> Result<(), Error> {
