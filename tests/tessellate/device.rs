@@ -8,7 +8,7 @@ use burgeon::cpu::tessellate::Tessellator as Cpu;
 use burgeon::gpu::tessellate::{Capacity, Frame, Tessellator};
 use burgeon::gpu::{Engine, Error};
 use burgeon::patch::Net;
-use burgeon::tessellate::vertex::{Format, Normal, Position, Tangent};
+use burgeon::tessellate::vertex::{Format, Position, Tangent};
 use burgeon::tessellate::{Camera, Level, Options};
 
 pub const ROOM: Capacity = Capacity { nodes: 60_000, vertices: 60_000, indices: 240_000 };
