@@ -147,8 +147,7 @@ fn vertices(cpu: &Cpu, gpu: &Frame) -> Result<f32, Trouble> {
             false if !x.is_normal() && x != 0.0 => f32::INFINITY,
             false => (x - y).abs() / (ROUNDING * y.abs().max(1.0)),
         };
-        // Written so that NaN is too far.
-        if !(part <= 1.0) {
+        if part > 1.0 || part.is_nan() {
             let what = format!("word {k} of the vertices: {x} ({a:x}) for {y} ({b:x})");
             return Err(Trouble::Differs(what));
         }
