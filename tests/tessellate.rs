@@ -15,9 +15,10 @@ use burgeon::cpu;
 use burgeon::cpu::tessellate::Tessellator;
 use burgeon::io::bpt;
 use burgeon::language::{System, Value};
-use burgeon::patch::{Axiom, Net, Word};
+use burgeon::patch::{Axiom, Cell, Module, Net, Word};
 use burgeon::plan::{self, Plan};
 use burgeon::tessellate::passes::Corner;
+use burgeon::tessellate::word;
 use burgeon::tessellate::{Camera, Level, Measure, Options, Topology};
 use invariants::{Checked, check};
 use proptest::prelude::*;
@@ -29,7 +30,7 @@ fn file(name: &str, rational: bool) -> Vec<Net> {
 }
 
 fn tessellated(nets: &[Net], level: &Level, options: &Options) -> Tessellator {
-    let mut tessellator = Tessellator::new(nets, options);
+    let mut tessellator = Tessellator::new(nets, options).expect("a set");
     tessellator.run(&level.target().expect("a level"));
     tessellator
 }
@@ -101,7 +102,7 @@ fn a_tessellation_keeps_to_its_budget_and_stops() {
     use std::sync::atomic::AtomicBool;
     let nets = file("teapot.bpt", false);
     let target = Level::world(0.01).target().expect("a level");
-    let mut t = Tessellator::new(&nets, &Options::default());
+    let mut t = Tessellator::new(&nets, &Options::default()).expect("a set");
     let (go, stop) = (AtomicBool::new(false), AtomicBool::new(true));
     assert!(matches!(t.run_within(&target, 100_000, &go), Err(Error::Memory { budget: 100_000, .. })));
     assert_eq!(t.run_within(&target, u64::MAX, &stop), Err(Error::Stopped));
@@ -124,7 +125,7 @@ fn sides_are_named_as_the_file_has_them() {
         flat([[0.0, 0.0], [0.0, 1.0], [2.0, 0.0], [2.0, 1.0]]),
         flat([[0.0, 1.0], [1.0, 1.0], [0.0, 2.0], [1.0, 2.0]]),
     ];
-    let topology = burgeon::tessellate::Topology::new(&nets);
+    let topology = burgeon::tessellate::Topology::new(&nets).expect("a set");
     let partial = &topology.report().partial;
     assert_eq!(partial.len(), 1);
     let named = partial[0].map(|(root, side)| (root, topology.file_side(root, side)));
@@ -247,7 +248,7 @@ fn no_cell_of_the_conformance_suite_is_near_its_tolerance() {
     for set in burgeon::conformance::tessellation::sets() {
         let nets = bpt::parse(set.text.as_bytes(), set.rational).expect(set.name);
         let trees = |factor: f32| {
-            let mut t = Tessellator::new(&nets, &Options::default());
+            let mut t = Tessellator::new(&nets, &Options::default()).expect("a set");
             let run = |level: &Level| {
                 let level = Level { tolerance: level.tolerance * factor, ..level.clone() };
                 t.run(&level.target().expect("a level"));
@@ -259,6 +260,73 @@ fn no_cell_of_the_conformance_suite_is_near_its_tolerance() {
         assert_eq!(as_it_is, trees(1.00001), "{}", set.name);
         assert_eq!(as_it_is, trees(0.99999), "{}", set.name);
     }
+}
+
+#[test]
+fn patches_that_are_no_set_are_refused() {
+    let refused = |nets: &[Net]| {
+        let error = Tessellator::new(nets, &Options::default()).err().expect("no set").to_string();
+        assert_eq!(Topology::new(nets).err().map(|e| e.to_string()).as_ref(), Some(&error));
+        error
+    };
+    let mut nets = file("teapot.bpt", false);
+    let flat = Net { degree: [1, 1], points: vec![[0.0, 0.0, 0.0, 1.0]; 4] };
+    nets.push(flat.clone());
+    assert!(refused(&nets).contains("patch 32 has the degrees [1, 1]"));
+    nets[32] = Net { degree: [3, 3], ..flat.clone() };
+    assert!(refused(&nets).contains("patch 32: it has 4 points where its degrees ask for 16"));
+    nets.truncate(32);
+    for wrong in [
+        [f32::NAN, 0.0, 0.0, 1.0],
+        [0.0, f32::INFINITY, 0.0, 1.0],
+        [0.0, 0.0, 0.0, 0.0],
+        [0.0, 0.0, 0.0, -1.0],
+    ] {
+        let mut nets = nets.clone();
+        nets[3].points[5] = wrong;
+        assert!(refused(&nets).contains("patch 3: point 5"), "{}", refused(&nets));
+    }
+    let mut t = Tessellator::new(&nets, &Options::default()).expect("a set");
+    let error = t.set_points(&[[0.0; 4]; 3]).expect_err("too few points");
+    assert!(error.to_string().contains("3 control points where the patches have 512"));
+    // No patch at all has no triangle.
+    let nothing = tessellated(&[], &Level::world(1.0), &Options::default());
+    assert_eq!((nothing.status().vertices, nothing.draw_args().index_count), (0, 0));
+}
+
+#[test]
+fn words_that_do_not_cover_their_roots_once_are_refused() {
+    let nets = torus(1, 2, 1);
+    let good = sets::word(2, 5);
+    let made = |word: &Word| Tessellator::of_word(&nets, word, Some(1), &Options::default()).map(|_| ());
+    assert_eq!(made(&good), Ok(()));
+    let cover = |root| Err(word::Error::Cover { root });
+    let last = good.modules.len() - 1;
+    // One is missing, is there twice, lies outside, or there are none.
+    let mut missing = good.clone();
+    missing.modules.remove(last);
+    assert_eq!(made(&missing), cover(1));
+    let mut twice = good.clone();
+    twice.modules.push(good.modules[last].clone());
+    assert_eq!(made(&twice), cover(1));
+    let mut outside = good.clone();
+    outside.modules[0].cell.i = 1 << outside.modules[0].cell.du;
+    assert_eq!(made(&outside), cover(0));
+    assert_eq!(made(&Word { modules: Vec::new(), ..good.clone() }), cover(0));
+    // As much as there is, but one half twice in place of the other; and halves that cross.
+    let module = |du, dv, i, j| Module { cell: Cell { du, dv, i, j }, root: 0, ..good.modules[0].clone() };
+    let of = |first: Vec<Module>| {
+        let rest = good.modules.iter().filter(|m| m.root == 1).cloned();
+        Word { modules: first.into_iter().chain(rest).collect(), ..good.clone() }
+    };
+    assert_eq!(made(&of(vec![module(1, 0, 0, 0), module(1, 0, 1, 0)])), Ok(()));
+    assert_eq!(made(&of(vec![module(1, 0, 0, 0), module(1, 0, 0, 0)])), cover(0));
+    assert_eq!(made(&of(vec![module(1, 0, 0, 0), module(0, 1, 0, 1)])), cover(0));
+    let mut foreign = good.clone();
+    foreign.modules[0].root = 2;
+    assert_eq!(made(&foreign), Err(word::Error::Root { module: 0, root: 2, roots: 2 }));
+    let deep = of(vec![module(24, 0, 0, 0)]);
+    assert_eq!(made(&deep), Err(word::Error::TooDeep { module: 0, halvings: 24 }));
 }
 
 #[test]
@@ -289,7 +357,7 @@ fn levels_that_cannot_be_are_refused() {
 fn degenerate_patches_leave_no_degenerate_triangles() {
     let mut nets = file("teapot.bpt", false);
     nets.extend(sets::degenerate());
-    assert_eq!(Topology::new(&nets).report().void, 1);
+    assert_eq!(Topology::new(&nets).expect("a set").report().void, 1);
     for tolerance in [10.0, 0.05] {
         checked(&nets, &Level::world(tolerance));
     }
@@ -340,7 +408,7 @@ fn what_meets_in_part_is_reported() {
     };
     // One wide patch and above it two of half its width; the points of a third of a side are no dyadic numbers.
     let nets = [patch([0.0, 0.0], [6.0, 3.0]), patch([0.0, 3.0], [3.0, 3.0]), patch([3.0, 3.0], [3.0, 3.0])];
-    let topology = Topology::new(&nets);
+    let topology = Topology::new(&nets).expect("a set");
     let report = topology.report();
     assert_eq!((report.inner, report.borders, report.corners), (1, 10, 8));
     let mut partial = report.partial.clone();

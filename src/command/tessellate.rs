@@ -228,7 +228,7 @@ fn on_cpu(work: &Work, machine: &flags::Machine, bar: &Bar) -> Result<Complete, 
             Some((word, hole)) => {
                 cpu::Tessellator::of_word(work.nets, word, hole, &options).map_err(|e| e.to_string())?
             }
-            None => cpu::Tessellator::new(work.nets, &options),
+            None => cpu::Tessellator::new(work.nets, &options).map_err(|e| e.to_string())?,
         };
         say_how_they_meet(tessellator.topology(), bar);
         let target = work.level.target().map_err(|e| e.to_string())?;
@@ -248,6 +248,7 @@ fn on_cpu(work: &Work, machine: &flags::Machine, bar: &Bar) -> Result<Complete, 
                 format!("{what}\nhelp: take a larger --tolerance or a lower --max-depth")
             }
             cpu::Error::Stopped => "stopped by Ctrl-C".to_string(),
+            e @ cpu::Error::Points { .. } => e.to_string(),
         })?;
         Ok(tessellator.complete())
     })

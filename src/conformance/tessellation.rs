@@ -71,7 +71,7 @@ fn frames(
     options: &Options,
     stop: Stop,
 ) -> Result<Compared, Trouble> {
-    let mut cpu = Cpu::new(nets, options);
+    let mut cpu = Cpu::new(nets, options).map_err(crate::gpu::Error::from)?;
     let room = Capacity::for_vertices(1 << 16);
     let first = levels.first().ok_or(Trouble::Stopped)?;
     let mut gpu = Tessellator::new(engine, nets, first, options, &room)?;

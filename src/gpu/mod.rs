@@ -41,6 +41,8 @@ pub enum Error {
     #[error(transparent)]
     Level(#[from] crate::tessellate::LevelError),
     #[error(transparent)]
+    Patches(#[from] crate::tessellate::topology::Error),
+    #[error(transparent)]
     Word(#[from] crate::tessellate::word::Error),
     #[error("{found} control points where the patches have {expected}")]
     Points { found: usize, expected: usize },

@@ -155,7 +155,7 @@ impl Tree<'_> {
         }
     }
 
-    /// The triangles that a leaf makes, in order. `marks`: of all nodes, or at least of this one.
+    /// The triangles that a leaf with these marks makes, in order.
     pub fn triangles(&self, node: u32, marks: u32, mut see: impl FnMut(Triangle)) {
         let cell = &self.nodes[node as usize];
         let collapsed: [bool; 4] = std::array::from_fn(|side| self.collapsed(cell, side as u32));

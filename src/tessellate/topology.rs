@@ -17,14 +17,15 @@
 
 use super::lattice::{FULL, NOWHERE, Node, SIDE_CORNERS, along};
 use super::orientation::{self, Orientation, bits};
-use crate::patch::Net;
+use crate::patch::{Net, NetError};
 use std::collections::HashMap;
+use thiserror::Error;
 
 /// Words of a root's row.
 pub const ROOT_WORDS: usize = 9;
 
 /// The most roots: entries hold their index in 29 bits.
-pub const MOST_ROOTS: usize = 1 << 29;
+pub const MOST_ROOTS: usize = (1 << 29) - 1;
 
 /// How the patches of a set meet.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -32,6 +33,17 @@ pub struct Topology {
     words: Vec<u32>,
     roots: usize,
     report: Report,
+}
+
+/// Why patches are no set to be tessellated.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum Error {
+    #[error("patch {patch}: {error}")]
+    Net { patch: usize, error: NetError },
+    #[error("patch {patch} has the degrees {found:?}, those before it {first:?}; take sets of one kind")]
+    Degrees { patch: usize, found: [u8; 2], first: [u8; 2] },
+    #[error("{patches} patches are more than {MOST_ROOTS}")]
+    TooMany { patches: usize },
 }
 
 /// What was found of a set of patches.
@@ -59,14 +71,23 @@ pub struct Report {
 type CurveKey = Vec<[u32; 4]>;
 
 impl Topology {
-    /// The topology of these nets, in order; all must have the same degrees.
-    pub fn new(nets: &[Net]) -> Topology {
-        assert!(nets.len() < MOST_ROOTS, "{} roots are more than {MOST_ROOTS}", nets.len());
-        let mut build = Build::default();
-        for (root, net) in nets.iter().enumerate() {
-            build.add(root as u32, net);
+    /// The topology of these nets, in order.
+    ///
+    /// # Errors
+    /// When they have not all the same degrees, one does not hold together, or there are too many.
+    pub fn new(nets: &[Net]) -> Result<Topology, Error> {
+        if nets.len() > MOST_ROOTS {
+            return Err(Error::TooMany { patches: nets.len() });
         }
-        build.finish()
+        let mut build = Build::default();
+        for (patch, net) in nets.iter().enumerate() {
+            net.validate(true).map_err(|error| Error::Net { patch, error })?;
+            if net.degree != nets[0].degree {
+                return Err(Error::Degrees { patch, found: net.degree, first: nets[0].degree });
+            }
+            build.add(patch as u32, net);
+        }
+        Ok(build.finish())
     }
 
     /// As kernels read it.

@@ -6,7 +6,7 @@
 //! that occur: a place is looked up once a shape, the commonest first.
 
 use super::lattice::{LEVELS, MAX_DEPTH, Node};
-use super::topology::Topology;
+use super::topology::{self, Topology};
 use crate::patch::Word;
 use thiserror::Error;
 
@@ -25,8 +25,10 @@ pub struct Table {
 }
 
 /// Why a word cannot be tessellated.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[derive(Clone, Debug, Error, PartialEq)]
 pub enum Error {
+    #[error(transparent)]
+    Patches(#[from] topology::Error),
     #[error(
         "module {module} was halved {halvings} times along one direction; a tessellation resolves {MAX_DEPTH}"
     )]
@@ -46,10 +48,10 @@ pub enum Error {
 /// # Errors
 /// When a module is too deep or of no root, or the modules of a root do not cover it exactly once.
 pub fn nodes(word: &Word, topology: &Topology, hole: Option<usize>) -> Result<Vec<Node>, Error> {
-    let mut covered = vec![0u128; topology.roots()];
+    let mut cells = vec![Vec::new(); topology.roots()];
     let mut list = Vec::with_capacity(word.modules.len());
     for (module, m) in word.modules.iter().enumerate() {
-        let Some(covered) = covered.get_mut(m.root as usize) else {
+        let Some(cells) = cells.get_mut(m.root as usize) else {
             return Err(Error::Root { module, root: m.root, roots: topology.roots() });
         };
         let depth = [m.cell.du, m.cell.dv].map(u32::from);
@@ -57,15 +59,37 @@ pub fn nodes(word: &Word, topology: &Topology, hole: Option<usize>) -> Result<Ve
         if halvings > MAX_DEPTH {
             return Err(Error::TooDeep { module, halvings });
         }
-        *covered += 1 << (2 * LEVELS - depth[0] - depth[1]);
+        if (0..2).any(|k| [m.cell.i, m.cell.j][k] >> depth[k] != 0) {
+            return Err(Error::Cover { root: m.root });
+        }
         let (depth, cell) = topology.orientation(m.root).cell_from_file(depth, [m.cell.i, m.cell.j]);
         let erased = hole == Some(m.symbol) || topology.is_void(m.root);
-        list.push(Node::new(m.root, depth, cell, m.symbol as u32, erased));
+        let node = Node::new(m.root, depth, cell, m.symbol as u32, erased);
+        cells.push(node);
+        list.push(node);
     }
-    match covered.iter().position(|&area| area != 1 << (2 * LEVELS)) {
+    match cells.into_iter().position(|cells| !is_cut_from(Node::default(), cells)) {
         Some(root) => Err(Error::Cover { root: root as u32 }),
         None => Ok(list),
     }
+}
+
+/// Whether cells are what comes of one by halving it again and again: then they cover it, each place once.
+fn is_cut_from(whole: Node, cells: Vec<Node>) -> bool {
+    let depth = whole.depth();
+    if let [cell] = cells.as_slice()
+        && cell.depth() == depth
+    {
+        return true;
+    }
+    // Along a direction in which all are halved more often each lies in one half. Which direction is taken first is
+    // all the same.
+    let along = |k: usize| !cells.is_empty() && cells.iter().all(|cell| cell.depth()[k] > depth[k]);
+    let Some(k) = (0..2).find(|&k| along(k)) else { return false };
+    let upper = |cell: &Node| [cell.i, cell.j][k] >> (cell.depth()[k] - depth[k] - 1) & 1 != 0;
+    let (upper, lower): (Vec<Node>, Vec<Node>) = cells.into_iter().partition(upper);
+    let half = Node { shape: whole.shape + (1 << (8 * k)), ..whole };
+    is_cut_from(half, lower) && is_cut_from(half, upper)
 }
 
 /// Whether the nodes are the roots themselves, one each in order, so that no table is needed.

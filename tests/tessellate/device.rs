@@ -235,6 +235,10 @@ fn room_that_is_one_too_small_is_told_and_nothing_is_written_past_it() {
         assert!(rounds < 12, "{:?}", frame.status);
         gpu.set_capacity(&Capacity { nodes: frame.status.nodes, ..exact }).expect("room");
     }
+    // No patch at all has no triangle.
+    let mut nothing = Tessellator::new(&engine, &[], &fine, &options, &exact).expect("an empty set");
+    let frame = submit(&engine, &mut nothing);
+    assert_eq!((frame.status.vertices, frame.draw.index_count, frame.nodes.len()), (0, 0, 0));
     // And a set that does not fit the device at all is refused by name.
     let huge = Capacity { nodes: 1 << 28, ..exact };
     match Tessellator::new(&engine, &nets, &fine, &options, &huge) {
@@ -279,7 +283,7 @@ fn pixels_are_what_the_camera_sees() {
     let options = Options::default();
     let level = |eye| Level { depth: 0..=8, ..Level::pixels(1.0, camera(eye)) };
     let mut gpu = Tessellator::new(&engine, &nets, &level([9.0, 4.0, 7.0]), &options, &ROOM).expect("a set");
-    let mut cpu = Cpu::new(&nets, &options);
+    let mut cpu = Cpu::new(&nets, &options).expect("a set");
     // From afar, from near, from inside, from behind a wall, and looking away.
     for eye in [[9.0, 4.0, 7.0], [3.0, 2.0, 2.5], [0.3, 1.2, 0.1], [60.0, 10.0, 40.0]] {
         let level = level(eye);
@@ -300,7 +304,7 @@ fn hysteresis_keeps_what_was_split() {
     let nets = file("teapot.bpt", false);
     let options = Options::default();
     let level = |tolerance, hysteresis| Level { hysteresis, ..Level::world(tolerance) };
-    let mut cpu = Cpu::new(&nets, &options);
+    let mut cpu = Cpu::new(&nets, &options).expect("a set");
     let mut gpu = Tessellator::new(&engine, &nets, &level(0.01, 0.5), &options, &ROOM).expect("a set");
     let mut counts = Vec::new();
     for tolerance in [0.01, 0.013, 0.019, 0.04, 0.01] {
@@ -322,7 +326,7 @@ fn a_budget_of_triangles_is_kept_on_the_device() {
     let engine = Engine::new(&headless.device, &headless.queue);
     let (nets, options) = (file("teapot.bpt", false), Options::default());
     let level = |budget, tolerance| Level { budget, ..Level::world(tolerance) };
-    let mut cpu = Cpu::new(&nets, &options);
+    let mut cpu = Cpu::new(&nets, &options).expect("a set");
     let mut gpu = Tessellator::new(&engine, &nets, &level(None, 0.01), &options, &ROOM).expect("a set");
     let mut seen = Vec::new();
     // Without one, with one that is kept anyway, with smaller and smaller ones, with one that cannot be kept,
@@ -372,7 +376,7 @@ fn frozen_triangles_follow_their_control_points() {
     gpu.set_points(&moved).expect("as many");
     gpu.freeze(true);
     let frozen = submit(&engine, &mut gpu);
-    cpu.set_points(&moved);
+    cpu.set_points(&moved).expect("as many");
     cpu.dice();
     same(&cpu, &frozen, "frozen");
     assert_eq!(first.status.frame, frozen.status.frame);

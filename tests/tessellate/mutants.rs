@@ -98,7 +98,7 @@ impl Check {
     /// The difference between CPU and GPU, if there is one.
     fn run(self, engine: &Engine) -> Option<String> {
         let compare = |nets: &[_], levels: &[Level], options: &Options| {
-            let mut cpu = Cpu::new(nets, options);
+            let mut cpu = Cpu::new(nets, options).expect("a set");
             let mut gpu = Tessellator::new(engine, nets, &levels[0], options, &ROOM).expect("a set");
             levels.iter().find_map(|level| {
                 cpu.run(&level.target().expect("a level"));

@@ -85,7 +85,8 @@ fn tessellations<'a>(
     let prepare = |nets: &[Net], level: &Level| {
         let options = Options::default();
         let target = level.target().map_err(|e| of_gpu(e.into()))?;
-        let mut cpu = burgeon::cpu::tessellate::Tessellator::new(nets, &options);
+        let mut cpu =
+            burgeon::cpu::tessellate::Tessellator::new(nets, &options).map_err(|e| of_gpu(e.into()))?;
         cpu.run(&target);
         let s = *cpu.status();
         // A moving camera wants some more.

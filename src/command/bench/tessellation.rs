@@ -56,7 +56,10 @@ pub(super) fn cpu_cases<'a>(roots: &[Net], crowd: &[Net], cases: &mut Vec<Case<'
     let threads = threads();
     let level = Level::world(TOLERANCE);
     let target = level.target().map_err(|e| Failure::Usage(format!("error: {e}")))?;
-    let mut first = Tessellator::new(roots, &Options::default());
+    let new = |nets: &[Net]| {
+        Tessellator::new(nets, &Options::default()).map_err(|e| Failure::File(format!("error: {e}")))
+    };
+    let mut first = new(roots)?;
     first.run(&target);
     let s = *first.status();
     let (vertices, triangles) = (u64::from(s.vertices), u64::from(s.indices) / 3);
@@ -80,26 +83,26 @@ pub(super) fn cpu_cases<'a>(roots: &[Net], crowd: &[Net], cases: &mut Vec<Case<'
         });
     };
     let make = || {
-        let mut t = Tessellator::new(roots, &Options::default());
+        let mut t = new(roots)?;
         t.run(&target);
-        t
+        Ok::<_, Failure>(t)
     };
     let nodes = u64::from(s.nodes);
-    let mut t = make();
+    let mut t = make()?;
     let bytes = frame_bytes(nodes, vertices, triangles);
     add("a frame, items are triangles", bytes, triangles, Box::new(move || infallible(|| t.run(&target))));
-    let mut t = make();
+    let mut t = make()?;
     add("refine, nodes", nodes * 28, nodes, Box::new(move || infallible(|| t.refine(&target))));
-    let mut t = make();
+    let mut t = make()?;
     add("stitch, nodes", nodes * 32, nodes, Box::new(move || infallible(|| t.stitch())));
-    let mut t = make();
+    let mut t = make()?;
     let each = 32 * vertices + 24 * nodes;
     add("vertices of 32 bytes", each, vertices, Box::new(move || infallible(|| t.dice())));
-    let mut t = make();
+    let mut t = make()?;
     let each = 16 * triangles + 24 * nodes;
     add("triangles", each, triangles, Box::new(move || infallible(|| t.connect())));
     if !crowd.is_empty() {
-        let mut t = Tessellator::new(crowd, &Options::default());
+        let mut t = new(crowd)?;
         let label = format!("{} patches, moving camera, 1 pixel", crowd.len());
         let target = |round| moving(round).target().map_err(|e| Failure::Usage(format!("error: {e}")));
         t.run(&target(0)?);

@@ -19,6 +19,7 @@ use crate::tessellate::lattice::Node;
 use crate::tessellate::level::Target;
 use crate::tessellate::passes::{DrawArgs, Status};
 use crate::tessellate::surface::{self, Patches};
+use crate::tessellate::topology;
 use crate::tessellate::tree::Tree;
 use crate::tessellate::vertex::Format;
 use crate::tessellate::word::{self, Table};
@@ -35,7 +36,7 @@ pub const MOST_NODES: u64 = 1 << 28;
 /// About what a cell takes, with its share of vertices and triangles, which a [`Mesh`] has once more.
 pub const BYTES_A_NODE: u64 = 160;
 
-/// Why a tessellation was given up.
+/// Why a tessellation was given up, or its points were not taken.
 #[derive(Clone, Debug, thiserror::Error, PartialEq, Eq)]
 pub enum Error {
     #[error(
@@ -48,6 +49,8 @@ pub enum Error {
     Nodes { nodes: u64 },
     #[error("the tessellation was stopped")]
     Stopped,
+    #[error("{found} control points where the patches have {expected}")]
+    Points { found: usize, expected: usize },
 }
 
 /// Trees, vertices and triangles of a set of patches. Vectors are kept from frame to frame.
@@ -100,11 +103,14 @@ pub struct Out {
 }
 
 impl Tessellator {
-    /// For these nets, which have the same degrees; each begins as one cell.
-    pub fn new(nets: &[Net], options: &Options) -> Tessellator {
-        let topology = Topology::new(nets);
+    /// For these nets; each begins as one cell.
+    ///
+    /// # Errors
+    /// Where they are no set: see [`Topology::new`].
+    pub fn new(nets: &[Net], options: &Options) -> Result<Tessellator, topology::Error> {
+        let topology = Topology::new(nets)?;
         let start = topology.start();
-        Tessellator::with_start(nets, topology, start, options)
+        Ok(Tessellator::with_start(nets, topology, start, options))
     }
 
     /// For the leaves of a word, whose roots are these nets. `hole` is the symbol of erased cells.
@@ -117,7 +123,7 @@ impl Tessellator {
         hole: Option<usize>,
         options: &Options,
     ) -> Result<Tessellator, word::Error> {
-        let topology = Topology::new(nets);
+        let topology = Topology::new(nets)?;
         let start = word::nodes(word, &topology, hole)?;
         Ok(Tessellator::with_start(nets, topology, start, options))
     }
@@ -146,11 +152,14 @@ impl Tessellator {
 
     /// Other control points, of patches that meet as before.
     ///
-    /// # Panics
-    /// When they are not as many as before.
-    pub fn set_points(&mut self, points: &[[f32; 4]]) {
-        assert_eq!(points.len(), self.nets.len(), "control points of a set of patches");
+    /// # Errors
+    /// [`Error::Points`] when they are not as many as before.
+    pub fn set_points(&mut self, points: &[[f32; 4]]) -> Result<(), Error> {
+        if points.len() != self.nets.len() {
+            return Err(Error::Points { found: points.len(), expected: self.nets.len() });
+        }
         self.nets.copy_from_slice(points);
+        Ok(())
     }
 
     pub fn topology(&self) -> &Topology {

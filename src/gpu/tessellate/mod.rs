@@ -59,10 +59,9 @@
 //!   bit.
 //! - **Overflow**: without room for nodes some cells stay coarser, and the mesh is still closed. Without
 //!   room for vertices or indices the frame before is drawn again. Either is in [`Tessellator::status`],
-//!   some frames late, as [`Status::complete`]; then [`Tessellator::set_capacity`] makes new buffers, and
-//!   what binds the old ones must be bound anew. Take more than [`Capacity::of`] gives: below cells without
-//!   room nothing was counted. In a new room no frame before stands: with a vertex and six indices a node,
-//!   one that is short of nodes is coarse, and none is missing.
+//!   some frames late, as [`Status::complete`]; then [`Tessellator::set_capacity`] makes new buffers, of
+//!   [`Capacity::grown`]: below cells without room nothing was counted. What binds the old ones must be bound
+//!   anew, but for the control points; what was drawn is drawn until a frame has run.
 //! - **A budget** of triangles, [`Level::budget`], is kept on the device by a higher tolerance.
 //! - **Hysteresis** keeps cells split until their error is clearly below the tolerance, so that none
 //!   flickers at the limit.
@@ -154,10 +153,11 @@ pub struct Tessellator {
 }
 
 impl Tessellator {
-    /// For these nets, which have the same degrees; each begins as one cell. Waits for nothing.
+    /// For these nets; each begins as one cell. Waits for nothing.
     ///
     /// # Errors
-    /// [`Error::Binding`] for room that the device cannot bind, and what the device says.
+    /// [`Error::Patches`] where the nets are no set, [`Error::Binding`] for room that the device cannot bind, and what the
+    /// device says.
     pub fn new(
         engine: &Engine,
         nets: &[Net],
@@ -165,7 +165,7 @@ impl Tessellator {
         options: &Options,
         capacity: &Capacity,
     ) -> Result<Tessellator, Error> {
-        let topology = Topology::new(nets);
+        let topology = Topology::new(nets)?;
         let start = topology.start();
         Tessellator::with_start(engine, nets, topology, start, level, options, capacity)
     }
@@ -184,7 +184,7 @@ impl Tessellator {
         options: &Options,
         capacity: &Capacity,
     ) -> Result<Tessellator, Error> {
-        let topology = Topology::new(nets);
+        let topology = Topology::new(nets)?;
         let start = word::nodes(word, &topology, hole)?;
         Tessellator::with_start(engine, nets, topology, start, level, options, capacity)
     }
