@@ -62,7 +62,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let nets = bpt::read(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/data/teapot.bpt"), false)?;
     let engine = Engine::new(&device, &queue);
     // Too little, on purpose.
-    let room = Capacity { nodes: 400, vertices: 400, indices: 2400 };
+    let room = Capacity { nodes: 400, vertices: 400, indices: 2400, modules: 0 };
     let mut teapot = Tessellator::new(&engine, &nets, &level(&camera(0.0)), &Options::default(), &room)?;
     let points: Vec<[f32; 4]> = nets.iter().flat_map(|net| net.points.iter().copied()).collect();
     let sway = Sway::new(&device, &points, teapot.points());

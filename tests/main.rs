@@ -29,6 +29,8 @@ mod reference;
 #[cfg(feature = "gpu")]
 mod render;
 #[cfg(feature = "gpu")]
+mod runs;
+#[cfg(feature = "gpu")]
 mod scan;
 mod shaders;
 mod tessellate;

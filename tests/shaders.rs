@@ -6,6 +6,7 @@ use burgeon::language::{Severity, Span, Vocabulary, compile};
 use burgeon::plan::derive::StageId;
 use burgeon::plan::layout::Layout;
 use burgeon::plan::step::{Clock, Column, Extent, PASSES, Pass, Status};
+use burgeon::plan::turns::{Progress, TurnWords};
 use burgeon::plan::{Plan, step};
 use naga::back::{glsl, hlsl, msl, spv};
 use naga::proc::{BoundsCheckPolicies, Layouter};
@@ -87,7 +88,9 @@ fn shared_shaders(layout: &Layout, tuning: &Tuning) -> [Shader; 3] {
 /// All kernels of a plan.
 fn shaders(plan: &Plan, tuning: &Tuning) -> Vec<Shader> {
     let staged = stages(plan).into_iter().flat_map(|id| stage_shaders(plan, id, tuning));
-    staged.chain(shared_shaders(&plan.tables.layout, tuning)).collect()
+    let layout = &plan.tables.layout;
+    let proceed = codegen::proceed_edited(layout, tuning, None).unwrap_or_else(|e| panic!("{e}"));
+    staged.chain(shared_shaders(layout, tuning)).chain([proceed]).collect()
 }
 
 fn small_plan() -> Plan {
@@ -347,7 +350,7 @@ fn structs_lie_in_wgsl_as_in_rust() {
         ("run_step", clock + offset_of!(Clock, run_step)),
         ("seed", clock + offset_of!(Clock, seed)),
         ("given", offset_of!(Extent, given)),
-        ("reserved_0", offset_of!(Extent, reserved)),
+        ("halted", offset_of!(Extent, halted)),
     ];
     let reserved = offset_of!(Status, reserved);
     let status = [
@@ -360,6 +363,22 @@ fn structs_lie_in_wgsl_as_in_rust() {
         ("reserved_1", reserved + 4),
         ("reserved_2", reserved + 8),
     ];
+    let progress = [
+        ("modules", offset_of!(Progress, modules)),
+        ("needed", offset_of!(Progress, needed)),
+        ("capacity", offset_of!(Progress, capacity)),
+        ("too_deep", offset_of!(Progress, too_deep)),
+        ("steps", offset_of!(Progress, steps)),
+        ("frame", offset_of!(Progress, frame)),
+        ("fired", offset_of!(Progress, fired)),
+        ("halted", offset_of!(Progress, halted)),
+    ];
+    let turns = [
+        ("index", offset_of!(TurnWords, index)),
+        ("growth", offset_of!(TurnWords, growth)),
+        ("flags", offset_of!(TurnWords, flags)),
+        ("reserved_0", offset_of!(TurnWords, reserved)),
+    ];
     let rust = |members: &[(&str, usize)]| -> Vec<(String, u32)> {
         members.iter().map(|(name, at)| (name.to_string(), *at as u32)).collect()
     };
@@ -369,6 +388,16 @@ fn structs_lie_in_wgsl_as_in_rust() {
             if let Some((list, size)) = members(&shader.module, "Extent") {
                 assert_eq!((list, size as usize), (rust(&extent), size_of::<Extent>()), "{}", shader.name);
                 seen[0] += 1;
+            }
+            if let Some((list, size)) = members(&shader.module, "Progress") {
+                assert_eq!(
+                    (list, size as usize),
+                    (rust(&progress), size_of::<Progress>()),
+                    "{}",
+                    shader.name
+                );
+                let turn = members(&shader.module, "Turn").expect("a turn");
+                assert_eq!((turn.0, turn.1 as usize), (rust(&turns), size_of::<TurnWords>()));
             }
             if let Some((list, size)) = members(&shader.module, "Status") {
                 assert_eq!((list, size as usize), (rust(&status), size_of::<Status>()), "{}", shader.name);
@@ -415,6 +444,10 @@ fn every_kernel_has_a_twin_on_the_cpu() {
         let name = stem(kernel);
         let entry = name.split("_by_").next().unwrap_or(&name);
         assert!(read(kernel).contains(&format!("fn {entry}(")), "{name}.wgsl has no `{entry}`");
+        // On the host it is the loop of the derivation itself.
+        if name == "proceed" {
+            continue;
+        }
         let twin = read(Path::new(&format!("src/cpu/{entry}.rs")));
         assert!(twin.contains(&format!("pub fn {entry}(")), "src/cpu/{entry}.rs has no `{entry}`");
     }

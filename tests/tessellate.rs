@@ -9,6 +9,8 @@ mod invariants;
 mod kernels;
 #[cfg(feature = "gpu")]
 mod mutants;
+#[cfg(feature = "gpu")]
+mod rules;
 mod sets;
 
 use burgeon::cpu;

@@ -22,7 +22,10 @@ fn match_modules(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgrou
     return;
   }
   let m = read_record(i);
-  let rule = matching_rule(m);
+  var rule = KEEP;
+  if extent.halted == 0u {
+    rule = matching_rule(m);
+  }
   rules[i] = rule;
   // Loads are cheaper than atomics that everybody does: each flag is raised once or so.
   if rule < KEEP {

@@ -84,6 +84,15 @@ impl Tuning {
         }
     }
 
+    /// Nets that a workgroup of `emit` takes.
+    fn emit_nets(&self, layout: &Layout) -> usize {
+        match self.mapping_of(layout) {
+            Mapping::NetPerInvocation => self.workgroup as usize,
+            Mapping::PointPerInvocation => self.workgroup as usize / layout.net_points(),
+            Mapping::LinePerInvocation => self.nets_by_line(layout),
+        }
+    }
+
     /// Nets that a workgroup takes by lines: as many as it has invocations for, and memory for both
     /// halves of each.
     fn nets_by_line(&self, layout: &Layout) -> usize {
@@ -193,6 +202,18 @@ pub fn shared_edited(layout: &Layout, tuning: &Tuning, edit: Option<&Edit>) -> R
         compact: build("compact", &scan_constants(tuning), nothing(), edit)?,
         retire: build("retire", &layout_constants(layout, tuning), nothing(), edit)?,
     })
+}
+
+/// The kernel between the sweeps of a derivation that is recorded.
+#[doc(hidden)]
+pub fn proceed_edited(layout: &Layout, tuning: &Tuning, edit: Option<&Edit>) -> Result<Shader, Error> {
+    let constants = format!(
+        "const WORKGROUP = {}u;\nconst TILE = {}u;\nconst EMIT_NETS = {}u;\n",
+        tuning.workgroup,
+        tuning.tile(),
+        tuning.emit_nets(layout)
+    );
+    build("proceed", &constants, generate::Text::default(), edit)
 }
 
 /// The kernels that measure the device: `copy` and `expand`.

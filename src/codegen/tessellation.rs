@@ -11,6 +11,8 @@ pub struct Tessellation {
     pub rational: bool,
     /// Begins with the leaves of a word, not with roots.
     pub word: bool,
+    /// The word is derived anew each frame.
+    pub derived: bool,
     pub options: Options,
 }
 
@@ -27,6 +29,8 @@ pub struct TessellationShaders {
     pub finish: Shader,
     pub vertices: Shader,
     pub triangles: Shader,
+    /// Where the word is derived: `recall`, `adopt` and `enter`.
+    pub derived: Option<[Shader; 3]>,
 }
 
 /// Links and validates the kernels of a tessellation.
@@ -55,6 +59,10 @@ pub fn tessellation_edited(
         finish: kernel("finish")?,
         vertices: kernel("vertices")?,
         triangles: kernel("triangles")?,
+        derived: match what.derived {
+            true => Some([kernel("recall")?, kernel("adopt")?, kernel("enter")?]),
+            false => None,
+        },
     })
 }
 
@@ -71,6 +79,7 @@ fn constants(what: &Tessellation, tuning: &Tuning) -> String {
         number(rows.max(columns), "LINES"),
         flag(what.rational, "RATIONAL"),
         flag(what.word, "WORD"),
+        flag(what.derived, "DERIVED"),
         flag(!what.options.seams, "SHARED"),
         flag(matches!(format.position, Position::Snorm16 { .. }), "POSITION_SNORM"),
         number(

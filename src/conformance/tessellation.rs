@@ -5,10 +5,12 @@
 
 use super::{Case, Compared, Stop, Trouble, check};
 use crate::cpu::tessellate::Tessellator as Cpu;
-use crate::gpu::Engine;
 use crate::gpu::tessellate::{Capacity, Frame, Tessellator};
+use crate::gpu::{Engine, run};
 use crate::io::bpt;
-use crate::patch::Net;
+use crate::language::{System, Value};
+use crate::patch::{Axiom, Net};
+use crate::plan::{self, Plan, View};
 use crate::tessellate::vertex::Normal;
 use crate::tessellate::{Camera, Level, Options};
 
@@ -37,6 +39,67 @@ pub fn sets() -> [Set; 3] {
     ]
 }
 
+/// Rules whose cells are of unequal depths, erased ones among them, and others when a param is, or the view.
+pub const LACE: &str = "\
+system lace : patch bezier 3
+param depth: int = 2 in 0 .. 4
+param limit: float = 0.6 in 0 .. 10
+module P(n: int), Q
+axiom: P(0) = file \"teapot.bpt\"
+rules:
+  P(n) : n < depth && flatness > limit -> [ P(n + 1) P(n + 1) ; P(n + 1) Q ]
+  P(n) : n < depth && bbox_px > 200 -> [ P(n + 1) | Q ]
+rules cut:
+  Q : level % 2 == 1 -> [ Q eps ; Q Q ]
+  P(n) : n == 1 -> [ Q ; Q ]
+run:
+  derive until terminal max 5
+  derive depth with cut
+";
+
+/// Frames whose rules are derived with them.
+fn of_rules() -> Case {
+    Case::new("tessellation of rules", |engine, stop| {
+        let differs = |e: String| Trouble::Differs(e);
+        let nets = bpt::parse(include_bytes!("../../examples/data/teapot.bpt"), false);
+        let nets = nets.map_err(|e| differs(e.to_string()))?;
+        let system = System::parse(LACE).map_err(|e| differs(e.to_string()))?;
+        let plan = Plan::keeping_holes(&system).map_err(|e| differs(e.to_string()))?;
+        let axiom = Axiom::load::<String>(&system, &mut |_| Ok(nets.clone()));
+        let axiom = axiom.map_err(|e| differs(e.to_string()))?;
+        let at =
+            |from: f32| View::looking([from, 2.0, from], [0.0; 3], [0.0, 1.0, 0.0], 40.0, [800.0, 600.0]);
+        let params = |depth, limit, from| run::Options {
+            set: vec![("depth".into(), Value::Int(depth)), ("limit".into(), Value::Float(limit))],
+            view: Some(at(from)),
+            ..run::Options::default()
+        };
+        let first = params(2, 0.6, 6.0);
+        let (options, room) = (Options::default(), Capacity::for_vertices(1 << 16));
+        let level = Level { hysteresis: 0.5, ..Level::world(0.1) };
+        let mut gpu = Tessellator::of_rules(engine, &system, &axiom, &first, &level, &options, &room)?;
+        let mut cpu = Cpu::new(&nets, &options).map_err(crate::gpu::Error::from)?;
+        let mut all = Compared::default();
+        for (depth, limit, from, tolerance) in
+            [(2, 0.6, 6.0, 0.1), (3, 0.2, 3.0, 0.14), (0, 0.4, 3.0, 0.12), (4, 0.05, 9.0, 0.1)]
+        {
+            check(stop)?;
+            let run::Options { set, view, .. } = params(depth, limit, from);
+            let level = Level { tolerance, ..level.clone() };
+            gpu.set_params(&set)?;
+            gpu.set_view(at(from))?;
+            gpu.set_level(&level)?;
+            let derived = plan::Options { set, view, ..plan::Options::default() };
+            let (word, _) =
+                crate::cpu::derive(&plan, &axiom, &derived, 0).map_err(|e| differs(e.to_string()))?;
+            cpu.set_word(&word, plan.hole).map_err(crate::gpu::Error::from)?;
+            cpu.run(&level.target().map_err(crate::gpu::Error::from)?);
+            all.add(compare(&cpu, &gpu.frame()?)?);
+        }
+        Ok(all)
+    })
+}
+
 /// The cases.
 pub fn cases() -> Vec<Case> {
     let case = |set: Set| {
@@ -51,7 +114,7 @@ pub fn cases() -> Vec<Case> {
             Ok(all)
         })
     };
-    sets().map(case).into_iter().collect()
+    sets().map(case).into_iter().chain([of_rules()]).collect()
 }
 
 /// A camera that comes near, with memory of the frame before and a budget.

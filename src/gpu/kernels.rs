@@ -18,7 +18,8 @@ impl Kernel {
     /// A kernel whose bindings are these columns: (column, written).
     pub fn new(engine: &Engine, shader: &Shader, bindings: &[(Column, bool)], entries: &[&str]) -> Kernel {
         let bound = bindings.iter().map(|&(column, written)| match column {
-            Column::Extent | Column::Environment => Bound::Uniform,
+            Column::Extent => Bound::Slot,
+            Column::Environment => Bound::Uniform,
             _ if written => Bound::Written,
             _ => Bound::Read,
         });
@@ -96,9 +97,9 @@ impl Kernel {
         })
     }
 
-    /// Records the dispatches, with these numbers of workgroups.
+    /// Records the dispatches of a pass, with these numbers of workgroups and the slot that is bound.
     pub fn record(&self, pass: &mut wgpu::ComputePass, group: &wgpu::BindGroup, groups: &[[u32; 2]]) {
-        pass.set_bind_group(0, group, &[]);
+        pass.set_bind_group(0, group, &[0]);
         for (pipeline, [x, y]) in self.pipelines.iter().zip(groups) {
             pass.set_pipeline(pipeline);
             pass.dispatch_workgroups(*x, *y, 1);
@@ -125,6 +126,10 @@ pub struct Binding<'a> {
 }
 
 impl<'a> Binding<'a> {
+    /// All of it.
+    pub fn whole(buffer: &'a wgpu::Buffer) -> Binding<'a> {
+        Binding { buffer, offset: 0, bytes: buffer.size() }
+    }
     /// The first `bytes`, at least one vec4u of them.
     pub fn new(buffer: &'a wgpu::Buffer, bytes: u64) -> Binding<'a> {
         Binding { buffer, offset: 0, bytes: bytes.max(16).next_multiple_of(4) }

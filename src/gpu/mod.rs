@@ -7,6 +7,8 @@ mod backend;
 mod buffers;
 mod headless;
 mod kernels;
+mod report;
+pub mod run;
 mod scans;
 mod sweep;
 pub mod tessellate;
@@ -44,6 +46,8 @@ pub enum Error {
     Patches(#[from] crate::tessellate::topology::Error),
     #[error(transparent)]
     Word(#[from] crate::tessellate::word::Error),
+    #[error("there are no rules: make the tessellation of a system (Tessellator::of_rules)")]
+    NoRules,
     #[error("{found} control points where the patches have {expected}")]
     Points { found: usize, expected: usize },
     #[error(

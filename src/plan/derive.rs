@@ -357,7 +357,14 @@ pub fn collect<B: Backend>(
     Ok(word(plan, &layout, derivation.steps.len() as u32, &records, nets))
 }
 
-fn word(plan: &Plan, layout: &Layout, steps: u32, records: &[u32], nets: Vec<[f32; 4]>) -> patch::Word {
+/// The word of these modules, in the order of the derivation tree.
+pub(crate) fn word(
+    plan: &Plan,
+    layout: &Layout,
+    steps: u32,
+    records: &[u32],
+    nets: Vec<[f32; 4]>,
+) -> patch::Word {
     let headers: Vec<Header> = records.chunks_exact(layout.record_words).map(Header::read).collect();
     let place = |h: &Header| (h.root, h.key);
     let sorted = headers.is_sorted_by_key(place);

@@ -16,6 +16,7 @@ pub mod size;
 pub mod step;
 pub mod supported;
 pub mod tables;
+pub mod turns;
 
 use crate::language::expr::Value;
 use crate::language::system::{Kind, System, UniformKind};

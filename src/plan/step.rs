@@ -121,7 +121,8 @@ pub struct Extent {
     pub clock: Clock,
     /// Words that the host gives: where the measured attributes begin.
     pub given: u32,
-    pub reserved: u32,
+    /// Not 0: every module is kept, since nothing fired in the step before and the derive ends there.
+    pub halted: u32,
 }
 
 /// What a chunk says of a step; 32 bytes. Each word only ever rises during a step.

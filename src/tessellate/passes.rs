@@ -1,6 +1,9 @@
 //! A tessellation, written once: its passes, and what each reads and writes.
 //!
 //! ```text
+//! recall        the leaves of a word that was derived            records → leaves
+//! adopt         whether it takes the place of the one before
+//! enter         its leaves as the first level, and their table   leaves → nodes, table
 //! begin         what is given back of a raised tolerance
 //! for each level of the trees
 //!   decide      which cells are split                              nodes, nets → counts, marks cleared
@@ -16,7 +19,7 @@
 //! triangles     by the leaf whose side it has                      marks, offsets → indices, cells
 //! ```
 //!
-//! Nothing decides an index but a scan; `mark` sets bits, in any order. All counts are on the device, and
+//! The first three run where rules are derived with the frame: `gpu/run`. Nothing decides an index but a scan; `mark` sets bits, in any order. All counts are on the device, and
 //! no pass waits for the host.
 
 use super::lattice::{FULL, NOWHERE, Node, SIDE_CORNERS, along};
@@ -51,12 +54,19 @@ pub struct Status {
     /// The tolerance was raised by so many quarters of an octave to keep to the budget of triangles:
     /// [`raised`](super::budget::raised).
     pub coarser: u32,
+    /// Where the word is derived with the frame: modules of the longest word on the way, and how many there is room
+    /// for. Where there are more, the word of the frame before still stands.
+    pub modules: u32,
+    pub module_capacity: u32,
+    /// Not 0: a cell of the word was halved too often, and the word of the frame before still stands.
+    pub too_deep: u32,
 }
 
 impl Status {
     /// Whether all that there is to write was written.
     pub fn complete(&self) -> bool {
-        self.nodes <= self.node_capacity && self.skipped == 0
+        let word = self.modules <= self.module_capacity && self.too_deep == 0;
+        word && self.nodes <= self.node_capacity && self.skipped == 0
     }
 }
 

@@ -11,10 +11,15 @@ use crate::patch::Word;
 use thiserror::Error;
 
 /// Shapes there can be: halvings along x times halvings along y.
-const MOST_SHAPES: usize = (LEVELS * LEVELS) as usize;
+pub const MOST_SHAPES: usize = (LEVELS * LEVELS) as usize;
 
 /// Where the slots begin: behind the number of shapes, the mask of the slots, and the shapes.
-const SLOTS: usize = 2 + MOST_SHAPES;
+pub const SLOTS: usize = 2 + MOST_SHAPES;
+
+/// Slots for so many leaves: they are full by half at most.
+pub fn slots_for(leaves: usize) -> usize {
+    (2 * leaves).next_power_of_two().max(2)
+}
 
 /// Leaves of a word by the places that they cover.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -33,6 +38,10 @@ pub enum Error {
         "module {module} was halved {halvings} times along one direction; a tessellation resolves {MAX_DEPTH}"
     )]
     TooDeep { module: usize, halvings: u32 },
+    #[error(
+        "a cell of the word was halved more than {MAX_DEPTH} times along one direction; a tessellation resolves no more"
+    )]
+    Halvings,
     #[error("module {module} belongs to root {root}, and there are {roots}")]
     Root { module: usize, root: u32, roots: usize },
     #[error(
@@ -107,7 +116,7 @@ impl Table {
         }
         let mut shapes: Vec<usize> = (0..MOST_SHAPES).filter(|&s| counts[s] > 0).collect();
         shapes.sort_by_key(|&s| std::cmp::Reverse(counts[s]));
-        let slots = (2 * nodes.len()).next_power_of_two().max(2);
+        let slots = slots_for(nodes.len());
         let mut words = vec![0; SLOTS + slots];
         words[0] = shapes.len() as u32;
         words[1] = slots as u32 - 1;
@@ -130,21 +139,28 @@ impl Table {
         &self.words
     }
 
+    /// The leaf of the word that is this cell.
+    #[inline]
+    pub fn leaf(&self, nodes: &[Node], root: u32, shape: u32, [i, j]: [u32; 2]) -> Option<u32> {
+        let mut slot = hash(root, shape, i, j) & self.words[1];
+        loop {
+            let n = self.words[SLOTS + slot as usize].checked_sub(1)?;
+            let node = &nodes[n as usize];
+            if (node.root, node.shape & 0xffff, node.i, node.j) == (root, shape, i, j) {
+                return Some(n);
+            }
+            slot = (slot + 1) & self.words[1];
+        }
+    }
+
     /// The node that covers a lattice cell, and its halvings.
     #[inline]
     pub(super) fn find(&self, nodes: &[Node], root: u32, p: [u32; 2]) -> (u32, [u32; 2]) {
         for &shape in &self.words[2..2 + self.words[0] as usize] {
             let depth = [shape & 0xff, shape >> 8];
-            let [i, j] = [p[0] >> (LEVELS - depth[0]), p[1] >> (LEVELS - depth[1])];
-            let mut slot = hash(root, shape, i, j) & self.words[1];
-            loop {
-                let entry = self.words[SLOTS + slot as usize];
-                let Some(n) = entry.checked_sub(1) else { break };
-                let node = &nodes[n as usize];
-                if (node.root, node.shape & 0xffff, node.i, node.j) == (root, shape, i, j) {
-                    return (n, depth);
-                }
-                slot = (slot + 1) & self.words[1];
+            let cell = [p[0] >> (LEVELS - depth[0]), p[1] >> (LEVELS - depth[1])];
+            if let Some(n) = self.leaf(nodes, root, shape, cell) {
+                return (n, depth);
             }
         }
         unreachable!("the leaves of root {root} cover it")

@@ -11,7 +11,7 @@ use burgeon::patch::Net;
 use burgeon::tessellate::vertex::{Format, Position, Tangent};
 use burgeon::tessellate::{Camera, Level, Options};
 
-pub const ROOM: Capacity = Capacity { nodes: 60_000, vertices: 60_000, indices: 240_000 };
+pub const ROOM: Capacity = Capacity { nodes: 60_000, vertices: 60_000, indices: 240_000, modules: 20_000 };
 
 pub fn submit(engine: &Engine, tessellator: &mut Tessellator) -> Frame {
     let mut encoder = engine.device().create_command_encoder(&Default::default());
@@ -27,6 +27,13 @@ pub fn difference(cpu: &Cpu, gpu: &Frame) -> Option<String> {
 
 fn same(cpu: &Cpu, gpu: &Frame, what: &str) {
     assert_eq!(difference(cpu, gpu), None, "{what}");
+}
+
+/// Buffers, bind groups, pipelines, shaders and textures that there are.
+pub fn made(engine: &Engine) -> [isize; 5] {
+    let hal = engine.device().get_internal_counters().hal;
+    [&hal.buffers, &hal.bind_groups, &hal.compute_pipelines, &hal.shader_modules, &hal.textures]
+        .map(|c| c.read())
 }
 
 fn engines() -> Vec<(String, Engine)> {
@@ -63,7 +70,7 @@ fn a_mesh_is_made_once_from_a_guess_that_is_far_too_small() {
     let nets = file("teapot.bpt", false);
     let (level, options) = (Level::world(0.01), Options::default());
     let cpu = tessellated(&nets, &level, &options).complete();
-    for room in [Capacity { nodes: 0, vertices: 0, indices: 0 }, Capacity::for_vertices(1000), ROOM] {
+    for room in [Capacity::default(), Capacity::for_vertices(1000), ROOM] {
         let mut gpu = Tessellator::new(&engine, &nets, &level, &options, &room).expect("a tessellator");
         let found = gpu.complete().expect("a mesh");
         assert!(found.status.complete());
@@ -409,17 +416,12 @@ fn a_frame_makes_nothing_and_waits_for_nothing() {
         engine.queue().submit([frame(&mut gpu, n)]);
         engine.device().poll(wgpu::PollType::wait_indefinitely()).expect("a device");
     }
-    let made = |c: wgpu::InternalCounters| {
-        let hal = &c.hal;
-        [&hal.buffers, &hal.bind_groups, &hal.compute_pipelines, &hal.shader_modules, &hal.textures]
-            .map(|c| c.read())
-    };
-    let before = made(engine.device().get_internal_counters());
+    let before = made(&engine);
     assert!(before[0] > 10 && before[1] > 10, "counters are off: {before:?}");
     let mut buffers = Vec::new();
     for n in 4..12 {
         buffers.push(frame(&mut gpu, n));
-        let now = made(engine.device().get_internal_counters());
+        let now = made(&engine);
         // `set_level` writes through the queue, which keeps its staging until the submission.
         assert!(now[0] <= before[0] + buffers.len() as isize, "{before:?} {now:?}");
         assert_eq!(now[1..], before[1..]);

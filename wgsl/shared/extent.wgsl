@@ -8,7 +8,7 @@ struct Extent {
   run_step: u32,
   seed: u32,
   given: u32,
-  reserved_0: u32,
+  halted: u32,
 }
 
 struct Status {

@@ -19,8 +19,9 @@ import budget;
 @group(0) @binding(5) var<storage, read> nodes: array<vec4u>;
 @group(0) @binding(6) var<storage, read> children_before: array<u32>;
 @group(0) @binding(7) var<storage, read> budget: Budget;
-@group(0) @binding(8) var<storage, read_write> counts: array<u32>;
-@group(0) @binding(9) var<storage, read_write> marks: array<u32>;
+@group(0) @binding(8) var<storage, read> leaves_before: array<u32>;
+@group(0) @binding(9) var<storage, read_write> counts: array<u32>;
+@group(0) @binding(10) var<storage, read_write> marks: array<u32>;
 
 // Keeps one half of each column. Both are made, so that no invocation waits for others that keep the other one.
 fn halve_columns(upper: bool) {
@@ -125,7 +126,12 @@ fn decide(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) gro
   }
   let i = range.first + k;
   // Where triangles will be counted stands meanwhile which node had this cell in the frame before.
-  let old = select(counts[sizes.section + i], i, range.level == 0u);
+  var old = i;
+  if range.level != 0u {
+    old = counts[sizes.section + i];
+  } else if DERIVED {
+    old = leaves_before[i];
+  }
   counts[sizes.section + i] = old;
   var was_split = false;
   if old != NOWHERE {

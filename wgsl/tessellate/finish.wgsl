@@ -9,7 +9,7 @@ import workgroups;
 @group(0) @binding(1) var<uniform> sizes: Sizes;
 @group(0) @binding(2) var<storage, read> offsets: array<u32>;
 @group(0) @binding(3) var<storage, read> budget: Budget;
-@group(0) @binding(4) var<storage, read_write> status: array<u32, 9>;
+@group(0) @binding(4) var<storage, read_write> status: array<u32, 12>;
 @group(0) @binding(5) var<storage, read_write> draw: array<u32, 5>;
 @group(0) @binding(6) var<storage, read_write> last: vec4u;
 

@@ -91,7 +91,12 @@ fn tessellations<'a>(
         let s = *cpu.status();
         // A moving camera wants some more.
         let more = |n: u32| n + n / 4;
-        let room = Capacity { nodes: more(s.nodes), vertices: more(s.vertices), indices: more(s.indices) };
+        let room = Capacity {
+            nodes: more(s.nodes),
+            vertices: more(s.vertices),
+            indices: more(s.indices),
+            modules: 0,
+        };
         let made = Tessellator::new(engine, nets, level, &options, &room).map_err(of_gpu)?;
         Ok::<_, Failure>((made, s))
     };

@@ -18,6 +18,7 @@ pub fn finish(trees: &Trees, coarser: u32, status: &mut Status, draw: &mut DrawA
         skipped: 0,
         frame: status.frame.wrapping_add(1),
         coarser,
+        ..Status::default()
     };
     *draw = DrawArgs { index_count: indices, instance_count: 1, ..DrawArgs::default() };
 }

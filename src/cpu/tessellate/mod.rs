@@ -5,8 +5,10 @@ pub mod advance;
 pub mod afford;
 pub mod begin;
 pub mod decide;
+pub mod enter;
 pub mod finish;
 pub mod mark;
+pub mod recall;
 pub mod split;
 pub mod tally;
 pub mod triangles;
@@ -62,6 +64,11 @@ pub struct Tessellator {
     orders: [Vec<usize>; 8],
     /// The nodes that each frame begins with.
     start: Vec<Node>,
+    /// The node of the frame before with the same cell.
+    start_before: Vec<u32>,
+    /// Whether a frame has run since there was another word; and the word that it ran with.
+    ran: bool,
+    last: (Option<Table>, Vec<Node>),
     table: Option<Table>,
     format: Format,
     shared: bool,
@@ -138,6 +145,9 @@ impl Tessellator {
             nets: points,
             orders: surface::orders(degree),
             table: (!word::are_roots(&start)).then(|| Table::new(&start)),
+            start_before: (0..start.len() as u32).collect(),
+            ran: false,
+            last: (None, Vec::new()),
             start,
             format: options.format,
             shared: !options.seams,
@@ -159,6 +169,21 @@ impl Tessellator {
             return Err(Error::Points { found: points.len(), expected: self.nets.len() });
         }
         self.nets.copy_from_slice(points);
+        Ok(())
+    }
+
+    /// Another word over the same roots, from the next frame on. Cells that the word before had, too, are remembered.
+    ///
+    /// # Errors
+    /// Where the word's leaves are no partition of the roots: see [`word::nodes`]; then the word before still stands.
+    pub fn set_word(&mut self, word: &crate::patch::Word, hole: Option<usize>) -> Result<(), word::Error> {
+        let leaves = word::nodes(word, &self.topology, hole)?;
+        if std::mem::take(&mut self.ran) {
+            self.last = (self.table.take(), std::mem::take(&mut self.start));
+        }
+        self.start_before = recall::recall(self.last.0.as_ref(), &self.last.1, &leaves);
+        self.table = Some(enter::enter(&leaves));
+        self.start = leaves;
         Ok(())
     }
 
@@ -238,6 +263,9 @@ impl Tessellator {
                 break;
             }
         }
+        // Unless there is another word, the next frame begins with the same nodes.
+        self.start_before = (0..self.start.len() as u32).collect();
+        self.ran = true;
         finish::finish(&self.trees, self.budget.coarser, &mut self.status, &mut self.draw);
         self.dice();
         self.connect();
@@ -258,7 +286,7 @@ impl Tessellator {
     fn grow<E>(&mut self, target: &Target, may_be: &impl Fn(u64) -> Result<(), E>) -> Result<(), E> {
         let mut t = std::mem::take(&mut self.trees);
         let before = &self.children_before;
-        t.begin(&self.start, !before.is_empty());
+        t.begin(&self.start, &self.start_before, !before.is_empty());
         while t.level < t.nodes.len() {
             let words = self.topology.words();
             decide::decide(&self.patches(), words, target, self.budget.coarser, before, &mut t);
@@ -332,14 +360,14 @@ impl Tessellator {
 }
 
 impl Trees {
-    fn begin(&mut self, start: &[Node], remembers: bool) {
+    fn begin(&mut self, start: &[Node], start_before: &[u32], remembers: bool) {
         self.nodes.clear();
         self.nodes.extend(start);
         self.children.clear();
         self.marks.clear();
         self.before.clear();
         let nowhere = crate::tessellate::lattice::NOWHERE;
-        self.before.extend((0..start.len() as u32).map(|n| if remembers { n } else { nowhere }));
+        self.before.extend(start_before.iter().map(|&n| if remembers { n } else { nowhere }));
         self.level = 0;
     }
 }

@@ -7,6 +7,7 @@ use crate::tessellate::lattice::{MAX_DEPTH, Node};
 use crate::tessellate::level::Target;
 use crate::tessellate::passes::{DrawArgs, Status};
 use crate::tessellate::vertex::{Format, Outputs};
+use crate::tessellate::word::{MOST_SHAPES, SLOTS, slots_for};
 use wgpu::BufferUsages;
 
 /// Levels that may be split: from the roots down to the deepest.
@@ -52,9 +53,35 @@ pub(super) struct Input<'a> {
     pub table: &'a [u32],
     pub start: &'a [Node],
     pub format: &'a Format,
+    /// Where the word is derived each frame.
+    pub derived: Option<Derived>,
+}
+
+/// How a derivation says what it made.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Derived {
+    /// vec4u of a record.
+    pub quads: u32,
+    /// The symbol of erased cells.
+    pub hole: u32,
+    /// Modules that there is room for.
+    pub modules: u32,
+}
+
+/// The buffers of a word that is derived each frame.
+pub(super) struct Words {
+    pub source: wgpu::Buffer,
+    pub leaves: wgpu::Buffer,
+    pub shapes: wgpu::Buffer,
+    pub too_deep: wgpu::Buffer,
+    pub adopted: wgpu::Buffer,
+    /// Slots of the table.
+    pub slots: u32,
 }
 
 pub(super) struct Buffers {
+    /// What there is room for; modules are the derivation's own.
+    pub capacity: Capacity,
     pub nets: wgpu::Buffer,
     pub topology: wgpu::Buffer,
     pub table: wgpu::Buffer,
@@ -68,6 +95,9 @@ pub(super) struct Buffers {
     /// The workgroups of `vertices` and `triangles`.
     pub last: wgpu::Buffer,
     pub nodes: wgpu::Buffer,
+    /// For each leaf of a word that is derived, the node that had its cell in the frame before.
+    pub leaves_before: wgpu::Buffer,
+    pub words: Option<Words>,
     /// Of this frame and of the one before, in turn.
     pub children: [wgpu::Buffer; 2],
     pub marks: wgpu::Buffer,
@@ -98,7 +128,8 @@ impl Buffers {
         capacity: &Capacity,
         before: Option<&Buffers>,
     ) -> Result<Buffers, Error> {
-        let nodes = capacity.nodes.max(input.start.len() as u32);
+        let modules = input.derived.map_or(0, |d| d.modules);
+        let nodes = capacity.nodes.max(input.start.len() as u32).max(modules);
         let section = section_words(nodes);
         let tile = engine.tuning().tile();
         let most = engine.device.limits().max_storage_buffer_binding_size;
@@ -122,17 +153,35 @@ impl Buffers {
         };
         let uniform = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
         let n = u64::from(nodes);
+        let slots = slots_for(modules as usize) as u64;
+        let words = |derived: Derived| {
+            let source = [derived.quads, derived.hole, slots as u32, 0];
+            let buffer = make("burgeon source of the word", 16, uniform)?;
+            engine.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&source));
+            Ok::<_, Error>(Words {
+                source: buffer,
+                leaves: make("burgeon leaves", u64::from(modules) * 16, storage)?,
+                shapes: make("burgeon shapes", MOST_SHAPES as u64 * 4, storage)?,
+                too_deep: make("burgeon depth of the word", 4, storage)?,
+                adopted: make("burgeon word adopted", 4, storage)?,
+                slots: slots as u32,
+            })
+        };
         let vertices = u64::from(capacity.vertices) * input.format.stride();
         let indices = u64::from(capacity.indices);
         let buffers = Buffers {
+            capacity: *capacity,
             nets: kept(|b| &b.nets, "burgeon control points", size_of_val(input.nets) as u64, written)?,
             topology: kept(|b| &b.topology, "burgeon topology", size_of_val(input.topology) as u64, written)?,
-            table: kept(
-                |b| &b.table,
-                "burgeon leaves of the word",
-                size_of_val(input.table) as u64,
-                written,
-            )?,
+            table: match input.derived {
+                Some(_) => make("burgeon leaves of the word", (SLOTS as u64 + slots) * 4, written)?,
+                None => kept(
+                    |b| &b.table,
+                    "burgeon leaves of the word",
+                    size_of_val(input.table) as u64,
+                    written,
+                )?,
+            },
             target: kept(|b| &b.target, "burgeon level", size_of::<Target>() as u64, uniform)?,
             outputs: make("burgeon outputs", size_of::<Outputs>() as u64, uniform)?,
             sizes: make("burgeon sizes", size_of::<Sizes>() as u64, uniform)?,
@@ -145,6 +194,8 @@ impl Buffers {
             )?,
             last: make("burgeon last workgroups", 12, storage | BufferUsages::INDIRECT)?,
             nodes: make("burgeon nodes", n * 16, written)?,
+            leaves_before: make("burgeon leaves of the frame before", u64::from(modules) * 4, storage)?,
+            words: input.derived.map(words).transpose()?,
             children: [
                 make("burgeon children", n * 4, storage)?,
                 make("burgeon children of the frame before", n * 4, storage)?,
@@ -171,6 +222,9 @@ impl Buffers {
             write(&buffers.nets, 0, bytemuck::cast_slice(input.nets));
             write(&buffers.topology, 0, bytemuck::cast_slice(input.topology));
             write(&buffers.table, 0, bytemuck::cast_slice(input.table));
+        }
+        if input.derived.is_some() {
+            write(&buffers.table, 0, bytemuck::cast_slice(&[0, slots as u32 - 1]));
         }
         write(&buffers.nodes, 0, bytemuck::cast_slice(input.start));
         let outputs = input.format.outputs(capacity.vertices);
@@ -212,6 +266,14 @@ impl Buffers {
             for (old, new) in pairs {
                 encoder.copy_buffer_to_buffer(old, 0, new, 0, old.size());
             }
+        }
+    }
+
+    /// Tells kernels of other records, and of another symbol for holes.
+    pub fn write_source(&self, engine: &Engine, derived: &Derived) {
+        if let Some(words) = &self.words {
+            let source = [derived.quads, derived.hole, words.slots, 0];
+            engine.queue.write_buffer(&words.source, 0, bytemuck::cast_slice(&source));
         }
     }
 

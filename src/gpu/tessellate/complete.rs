@@ -5,6 +5,7 @@ use crate::gpu::Error;
 use crate::gpu::buffers as reading;
 use crate::tessellate::passes::Status;
 use crate::tessellate::vertex::Format;
+use crate::tessellate::word;
 use crate::tessellate::{Complete, mesh_of};
 
 impl Tessellator {
@@ -26,6 +27,9 @@ impl Tessellator {
             let status = self.read_status()?;
             if status.complete() {
                 break;
+            }
+            if status.too_deep != 0 {
+                return Err(word::Error::Halvings.into());
             }
             self.set_capacity(&Capacity::grown(&status))?;
         }

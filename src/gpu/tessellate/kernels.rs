@@ -1,6 +1,7 @@
 //! The pipelines of a tessellation, and what each binds.
 
 use super::super::kernels::{Binding, Bound, Kernel};
+use super::super::run::Run;
 use super::super::{Engine, Error};
 use super::buffers::{Buffers, RANGE_BYTES, Section};
 use crate::codegen::{self, Tessellation};
@@ -18,6 +19,21 @@ pub(super) struct Kernels {
     finish: Kernel,
     vertices: Kernel,
     triangles: Kernel,
+    pub derived: Option<Derived>,
+}
+
+/// The kernels of a word that is derived each frame.
+pub(super) struct Derived {
+    pub recall: Kernel,
+    pub adopt: Kernel,
+    pub enter: Kernel,
+}
+
+/// What these are bound to: `recall` from wherever the word may stand.
+pub(super) struct DerivedGroups {
+    pub recall: Vec<wgpu::BindGroup>,
+    pub adopt: wgpu::BindGroup,
+    pub enter: wgpu::BindGroup,
 }
 
 /// What they are bound to, for one frame of two that take turns.
@@ -47,7 +63,7 @@ impl Kernels {
             begin: kernel(&s.begin, &[Uniform, Uniform, Read, Written, Written], &["begin"]),
             decide: kernel(
                 &s.decide,
-                &[Slot, Uniform, Uniform, Read, Read, Read, Read, Read, Written, Written],
+                &[Slot, Uniform, Uniform, Read, Read, Read, Read, Read, Read, Written, Written],
                 &["decide"],
             ),
             scan: kernel(&s.scan, &[Slot, Read, Written, Written], &["reduce", "spine", "scan"]),
@@ -67,6 +83,68 @@ impl Kernels {
                 &[Slot, Uniform, Read, Read, Read, Read, Read, Read, Written, Written],
                 &["triangles"],
             ),
+            derived: s.derived.as_ref().map(|[recall, adopt, enter]| Derived {
+                recall: kernel(
+                    recall,
+                    &[Uniform, Read, Read, Read, Read, Read, Written, Written, Written],
+                    &["recall"],
+                ),
+                adopt: kernel(
+                    adopt,
+                    &[Uniform, Read, Written, Written, Written, Written, Written],
+                    &["adopt"],
+                ),
+                enter: kernel(
+                    enter,
+                    &[Slot, Uniform, Read, Read, Written, Written, Written, Written],
+                    &["forget", "enter", "arrange"],
+                ),
+            }),
+        })
+    }
+
+    /// Binds the buffers of a word that is derived, if it is.
+    pub fn derived_groups(&self, engine: &Engine, b: &Buffers, run: &Run) -> Option<DerivedGroups> {
+        let (kernels, words) = (self.derived.as_ref()?, b.words.as_ref()?);
+        let recall = |records: &wgpu::Buffer| {
+            kernels.recall.bind(
+                engine,
+                &[
+                    Binding::whole(&words.source),
+                    Binding::whole(run.progress()),
+                    Binding::whole(records),
+                    Binding::whole(&b.topology),
+                    Binding::whole(&b.nodes),
+                    Binding::whole(&b.table),
+                    Binding::whole(&words.leaves),
+                    Binding::whole(&b.leaves_before),
+                    Binding::whole(&words.too_deep),
+                ],
+            )
+        };
+        let adopt = [
+            Binding::whole(&b.sizes),
+            Binding::whole(run.progress()),
+            Binding::whole(&b.ranges),
+            Binding::whole(&b.dispatches),
+            Binding::whole(&words.too_deep),
+            Binding::whole(&words.adopted),
+            Binding::whole(&b.status),
+        ];
+        let enter = [
+            Binding { buffer: &b.ranges, offset: 0, bytes: RANGE_BYTES },
+            Binding::whole(&words.source),
+            Binding::whole(&words.adopted),
+            Binding::whole(&words.leaves),
+            Binding::whole(&b.leaves_before),
+            Binding::whole(&b.nodes),
+            Binding::whole(&b.table),
+            Binding::whole(&words.shapes),
+        ];
+        Some(DerivedGroups {
+            recall: run.record_places().0.iter().map(recall).collect(),
+            adopt: kernels.adopt.bind(engine, &adopt),
+            enter: kernels.enter.bind(engine, &enter),
         })
     }
 
@@ -103,6 +181,7 @@ impl Kernels {
                     &b.nodes,
                     before,
                     &b.budget,
+                    &b.leaves_before,
                     &b.counts,
                     &b.marks
                 ],

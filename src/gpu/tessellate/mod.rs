@@ -74,56 +74,67 @@
 mod buffers;
 mod complete;
 mod kernels;
-mod report;
-
 use super::buffers as reading;
+use super::report::Report;
+use super::run::{self, Run};
 use super::{Engine, Error};
 use crate::codegen::Tessellation;
-use crate::patch::{Net, Word};
+use crate::language::expr::Value;
+use crate::language::system::System;
+use crate::patch::{Axiom, Net, Values, Word};
+use crate::plan::{Plan, View};
 use crate::tessellate::budget::ROUNDS;
-use crate::tessellate::lattice::Node;
+use crate::tessellate::lattice::{NOWHERE, Node};
 use crate::tessellate::level::Target;
 use crate::tessellate::passes::{DrawArgs, Status};
 use crate::tessellate::vertex::Format;
-use crate::tessellate::word::{self, Table};
+use crate::tessellate::word::{self, MOST_SHAPES, Table};
 use crate::tessellate::{Level, Options, Topology};
-use buffers::{ALL, Buffers, DISPATCH_BYTES, Input, LEVELS, SLOT};
-use kernels::{Groups, Kernels, Pass};
-use report::Report;
+use buffers::{ALL, Buffers, DISPATCH_BYTES, Derived, Input, LEVELS, SLOT};
+use kernels::{DerivedGroups, Groups, Kernels, Pass};
 
 /// Room for a frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Capacity {
     /// Cells of all levels: 44 bytes each.
     pub nodes: u32,
     pub vertices: u32,
     /// Three a triangle; each triangle takes 4 bytes more for its cell.
     pub indices: u32,
+    /// Modules of the longest word on the way, where rules are derived with the frame; else no matter.
+    pub modules: u32,
 }
 
 impl Capacity {
-    /// For about so many vertices: a third more nodes, and twice as many triangles.
+    /// For about so many vertices: a third more nodes, twice as many triangles, and words of as many modules.
     pub fn for_vertices(vertices: u32) -> Capacity {
         let nodes = vertices.saturating_add(vertices / 3).saturating_add(64);
-        Capacity { nodes, vertices, indices: vertices.saturating_mul(6) }
+        Capacity { nodes, vertices, indices: vertices.saturating_mul(6), modules: vertices }
     }
 
     /// For what a frame wanted.
     pub fn of(status: &Status) -> Capacity {
-        Capacity { nodes: status.nodes, vertices: status.vertices, indices: status.indices }
+        Capacity {
+            nodes: status.nodes,
+            vertices: status.vertices,
+            indices: status.indices,
+            modules: status.modules,
+        }
     }
 
-    /// For what a frame wanted, and no less of anything than it had. Where nodes were too few it is not known
-    /// how many there would have been, so twice as many are taken at least.
+    /// For what a frame wanted, and no less of anything than it had. Where nodes or modules were too few it is not
+    /// known how many there would have been, so twice as many are taken at least.
     pub fn grown(status: &Status) -> Capacity {
-        let short = status.nodes > status.node_capacity;
+        // What comes behind something that found no room is not counted.
+        let grown = |needed: u32, there: u32| match needed > there {
+            true => needed.max(there.saturating_mul(2)),
+            false => there,
+        };
         Capacity {
-            nodes: match short {
-                true => status.nodes.max(status.node_capacity.saturating_mul(2)),
-                false => status.node_capacity,
-            },
+            nodes: grown(status.nodes, status.node_capacity),
             vertices: status.vertices.max(status.vertex_capacity),
             indices: status.indices.max(status.index_capacity),
+            modules: grown(status.modules, status.module_capacity),
         }
     }
 }
@@ -143,13 +154,46 @@ pub struct Tessellator {
     topology: Topology,
     points: usize,
     start: Vec<Node>,
+    level: Level,
     target: Target,
     /// Levels that a frame may split.
     levels: u32,
     /// Halvings that some root needs.
     least: u32,
     frozen: bool,
-    report: Report,
+    report: Report<Status>,
+    /// Where the word is derived with the frame.
+    rules: Option<Rules>,
+}
+
+/// A derivation that comes before the trees of a frame, and what its word is bound to.
+struct Rules {
+    run: Run,
+    groups: Option<DerivedGroups>,
+}
+
+/// Rules, where they begin, and with what.
+#[derive(Clone, Copy)]
+struct Given<'a> {
+    plan: &'a Plan,
+    axiom: &'a Axiom,
+    options: &'a run::Options,
+}
+
+impl<'a> Given<'a> {
+    fn of(run: &'a Run) -> Given<'a> {
+        Given { plan: run.plan(), axiom: run.axiom(), options: run.options() }
+    }
+
+    fn derived(&self, modules: u32) -> Derived {
+        let layout = &self.plan.tables.layout;
+        Derived {
+            quads: layout.record_words as u32 / 4,
+            // A system that keeps its holes has their symbol.
+            hole: self.plan.hole.map_or(NOWHERE, |hole| hole as u32),
+            modules: modules.max(self.axiom.roots.len() as u32),
+        }
+    }
 }
 
 impl Tessellator {
@@ -167,7 +211,7 @@ impl Tessellator {
     ) -> Result<Tessellator, Error> {
         let topology = Topology::new(nets)?;
         let start = topology.start();
-        Tessellator::with_start(engine, nets, topology, start, level, options, capacity)
+        Tessellator::with_start(engine, nets, topology, start, None, level, options, capacity)
     }
 
     /// For the leaves of a word, whose roots are these nets; `hole` is the symbol of erased cells, as
@@ -186,24 +230,51 @@ impl Tessellator {
     ) -> Result<Tessellator, Error> {
         let topology = Topology::new(nets)?;
         let start = word::nodes(word, &topology, hole)?;
-        Tessellator::with_start(engine, nets, topology, start, level, options, capacity)
+        Tessellator::with_start(engine, nets, topology, start, None, level, options, capacity)
     }
 
+    /// For the word that rules derive of an axiom, anew with each frame: params, bound values, the view and the
+    /// control points may change from frame to frame, and the cells of the surface with them.
+    /// [`Capacity::modules`] is the room for the word.
+    ///
+    /// # Errors
+    /// What [`Plan::new`] says of the system, [`Run::new`] of the axiom and the options, and
+    /// [`Tessellator::new`] of the patches.
+    pub fn of_rules(
+        engine: &Engine,
+        system: &System,
+        axiom: &Axiom,
+        run: &run::Options,
+        level: &Level,
+        options: &Options,
+        capacity: &Capacity,
+    ) -> Result<Tessellator, Error> {
+        let plan = Plan::keeping_holes(system).map_err(crate::plan::Error::from)?;
+        let nets: Vec<Net> = axiom.roots.iter().map(|root| root.net.clone()).collect();
+        let topology = Topology::new(&nets)?;
+        let given = Given { plan: &plan, axiom, options: run };
+        Tessellator::with_start(engine, &nets, topology, vec![], Some(given), level, options, capacity)
+    }
+
+    #[allow(clippy::too_many_arguments)]
     fn with_start(
         engine: &Engine,
         nets: &[Net],
         topology: Topology,
         start: Vec<Node>,
+        given: Option<Given>,
         level: &Level,
         options: &Options,
         capacity: &Capacity,
     ) -> Result<Tessellator, Error> {
         let points: Vec<[f32; 4]> = nets.iter().flat_map(|net| net.points.iter().copied()).collect();
         let table = (!word::are_roots(&start)).then(|| Table::new(&start));
+        let derived = given.map(|given| given.derived(capacity.modules));
         let what = Tessellation {
             degree: nets.first().map_or([3, 3], |net| net.degree),
             rational: points.iter().any(|p| p[3] != 1.0),
-            word: table.is_some(),
+            word: table.is_some() || given.is_some(),
+            derived: given.is_some(),
             options: *options,
         };
         let mut tessellator = engine.checked("preparing a tessellation", || {
@@ -214,8 +285,15 @@ impl Tessellator {
                 table: table.as_ref().map_or(&[0], |t| t.words()),
                 start: &start,
                 format: &options.format,
+                derived,
             };
             let buffers = Buffers::new(engine, &input, capacity, None)?;
+            let run = |given: Given| {
+                let Given { plan, axiom, options } = given;
+                Run::with_points(engine, plan, axiom, options, capacity.modules, Some(&buffers.nets))
+            };
+            let run = given.map(run).transpose()?;
+            let rules = run.map(|run| Rules { groups: kernels.derived_groups(engine, &buffers, &run), run });
             let groups = [0, 1].map(|now| kernels.groups(engine, &buffers, now));
             let roots = 0..topology.roots() as u32;
             let least = roots.map(|r| crate::tessellate::topology::least_depth(topology.words(), r));
@@ -230,10 +308,12 @@ impl Tessellator {
                 topology,
                 points: points.len(),
                 start,
+                level: level.clone(),
                 target: level.target()?,
                 levels: 0,
                 frozen: false,
                 report: Report::new(engine),
+                rules,
             })
         })?;
         tessellator.set_level(level)?;
@@ -256,8 +336,12 @@ impl Tessellator {
                 table: &[],
                 start: &self.start,
                 format: &self.what.options.format,
+                derived: self.rules.as_ref().map(|rules| Given::of(&rules.run).derived(capacity.modules)),
             };
             let buffers = Buffers::new(&engine, &input, capacity, Some(&self.buffers))?;
+            if let Some(rules) = &mut self.rules {
+                rules.run.set_capacity(capacity.modules)?;
+            }
             let label = wgpu::CommandEncoderDescriptor { label: Some("burgeon new room") };
             let mut encoder = engine.device.create_command_encoder(&label);
             buffers.copy_drawn(&mut encoder, &self.buffers, self.format());
@@ -265,8 +349,92 @@ impl Tessellator {
             self.groups = [0, 1].map(|now| self.kernels.groups(&engine, &buffers, now));
             self.buffers = buffers;
             self.report = Report::new(&engine);
+            self.bind_rules();
             Ok(())
         })
+    }
+
+    /// Binds the word to what may have been made anew.
+    fn bind_rules(&mut self) {
+        if let Some(rules) = &mut self.rules {
+            rules.groups = self.kernels.derived_groups(&self.engine, &self.buffers, &rules.run);
+        }
+    }
+
+    /// The derivation that comes with each frame, if there is one.
+    pub fn run(&self) -> Option<&Run> {
+        self.rules.as_ref().map(|rules| &rules.run)
+    }
+
+    /// Other values of params of the rules: those named are replaced. Holds from the next submission on; nothing is
+    /// compiled, and buffers are made only where the schedule becomes longer than it ever was.
+    ///
+    /// # Errors
+    /// As for [`Run::set`], and [`Error::NoRules`]; then nothing has changed.
+    pub fn set_params(&mut self, params: &[(String, Value)]) -> Result<(), Error> {
+        self.change(|run| run.set(params))
+    }
+
+    /// Other values of a query without `=`.
+    ///
+    /// # Errors
+    /// As for [`Run::bind`], and [`Error::NoRules`]; then nothing has changed.
+    pub fn bind(&mut self, query: &str, values: Values) -> Result<(), Error> {
+        self.change(|run| run.bind(query, values))
+    }
+
+    /// What the rules see the screen's attributes through.
+    ///
+    /// # Errors
+    /// What the device says, and [`Error::NoRules`].
+    pub fn set_view(&mut self, view: View) -> Result<(), Error> {
+        self.change(|run| run.set_view(view))
+    }
+
+    fn change(&mut self, change: impl FnOnce(&mut Run) -> Result<(), Error>) -> Result<(), Error> {
+        let rules = self.rules.as_mut().ok_or(Error::NoRules)?;
+        let rooms = rules.run.rooms();
+        change(&mut rules.run)?;
+        if rules.run.rooms() != rooms {
+            self.bind_rules();
+        }
+        Ok(())
+    }
+
+    /// Other rules, from the next frame on; or an error, and those that are there go on. Kernels of the rules are
+    /// compiled here. Where the axiom has the patches that it had, control points stay where they were moved to,
+    /// and all buffers with what is drawn; else everything is made anew, and must be bound anew.
+    ///
+    /// # Errors
+    /// As for [`Tessellator::of_rules`], and [`Error::NoRules`]; then nothing has changed.
+    pub fn reload(&mut self, system: &System, axiom: &Axiom, run: &run::Options) -> Result<(), Error> {
+        let rules = self.rules.as_ref().ok_or(Error::NoRules)?;
+        let modules = rules.run.capacity();
+        let engine = self.engine.clone();
+        let old = &rules.run.axiom().roots;
+        if axiom.roots.len() != old.len() || axiom.roots.iter().zip(old).any(|(a, b)| a.net != b.net) {
+            let (level, options) = (self.level.clone(), self.what.options);
+            let capacity = self.capacity();
+            let mut new = Tessellator::of_rules(&engine, system, axiom, run, &level, &options, &capacity)?;
+            new.frozen = self.frozen;
+            *self = new;
+            return Ok(());
+        }
+        let plan = Plan::keeping_holes(system).map_err(crate::plan::Error::from)?;
+        let given = Given { plan: &plan, axiom, options: run };
+        let new = Run::with_points(&engine, &plan, axiom, run, modules, Some(&self.buffers.nets))?;
+        self.buffers.write_source(&engine, &given.derived(modules));
+        self.rules = Some(Rules { run: new, groups: None });
+        self.bind_rules();
+        Ok(())
+    }
+
+    /// The room that there is.
+    pub fn capacity(&self) -> Capacity {
+        Capacity {
+            modules: self.rules.as_ref().map_or(0, |rules| rules.run.capacity()),
+            ..self.buffers.capacity
+        }
     }
 
     /// How fine the next frames are to be. Nothing is compiled or allocated.
@@ -275,6 +443,7 @@ impl Tessellator {
     /// [`Error::Level`] for numbers out of range.
     pub fn set_level(&mut self, level: &Level) -> Result<(), Error> {
         self.target = level.target()?;
+        self.level = level.clone();
         self.engine.queue.write_buffer(&self.buffers.target, 0, bytemuck::bytes_of(&self.target));
         // Leaves of a word that are short along one direction may be split beyond the most.
         self.levels = (self.target.most + self.least + 1).min(LEVELS);
@@ -317,6 +486,7 @@ impl Tessellator {
             // The children that stand are those of the frame before.
             return self.part(pass, Part::Vertices, 1 - self.turn);
         }
+        self.part(pass, Part::Derive, self.turn);
         let g = &self.groups[self.turn];
         pass.set_pipeline(self.kernels.of(Pass::Begin));
         pass.set_bind_group(0, &g.begin, &[]);
@@ -347,6 +517,7 @@ impl Tessellator {
     fn part(&self, pass: &mut wgpu::ComputePass, part: Part, turn: usize) {
         let g = &self.groups[turn];
         match part {
+            Part::Derive => self.derive(pass),
             Part::Refine => {
                 for level in 0..self.levels {
                     self.one(pass, Pass::Decide, &g.decide, level, Workgroups::Nodes);
@@ -364,6 +535,31 @@ impl Tessellator {
             Part::Vertices => self.one(pass, Pass::Vertices, &g.vertices, ALL, Workgroups::Last),
             Part::Triangles => self.one(pass, Pass::Triangles, &g.triangles, ALL, Workgroups::Last),
         }
+    }
+
+    /// The word, and its leaves as the nodes of the first level.
+    fn derive(&self, pass: &mut wgpu::ComputePass) {
+        let Some(Rules { run, groups: Some(groups) }) = &self.rules else { return };
+        let (Some(kernels), Some(words)) = (&self.kernels.derived, &self.buffers.words) else { return };
+        run.record(pass);
+        let (_, place) = run.record_places();
+        let (workgroups, at) = run.workgroups();
+        pass.set_pipeline(&kernels.recall.pipelines[0]);
+        pass.set_bind_group(0, &groups.recall[place], &[]);
+        pass.dispatch_workgroups_indirect(workgroups, at);
+        pass.set_pipeline(&kernels.adopt.pipelines[0]);
+        pass.set_bind_group(0, &groups.adopt, &[]);
+        pass.dispatch_workgroups(1, 1, 1);
+        pass.set_bind_group(0, &groups.enter, &[0]);
+        let [forget, enter, arrange] = [0, 1, 2].map(|n| &kernels.enter.pipelines[n]);
+        let slots = words.slots.max(MOST_SHAPES as u32);
+        let [x, y] = super::kernels::groups(u64::from(slots), self.engine.tuning().workgroup);
+        pass.set_pipeline(forget);
+        pass.dispatch_workgroups(x, y, 1);
+        pass.set_pipeline(enter);
+        pass.dispatch_workgroups_indirect(&self.buffers.dispatches, 0);
+        pass.set_pipeline(arrange);
+        pass.dispatch_workgroups(1, 1, 1);
     }
 
     fn one(
@@ -480,6 +676,8 @@ impl Tessellator {
 /// A part of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
+    /// The word, where rules are derived with the frame, and its leaves.
+    Derive,
     /// The trees: decide, scan, split and advance, level by level.
     Refine,
     /// Who owns which vertex and makes which triangle: mark, tally, scan.

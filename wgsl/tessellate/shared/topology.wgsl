@@ -22,6 +22,10 @@ fn least_depth(root: u32) -> u32 {
   return (topology[root * ROOT_WORDS + 8u] >> 8u) & 0xffu;
 }
 
+fn is_void(root: u32) -> bool {
+  return ((topology[root * ROOT_WORDS + 8u] >> 20u) & 1u) != 0u;
+}
+
 fn is_reversed(root: u32, side: u32) -> bool {
   return ((topology[root * ROOT_WORDS + 8u] >> (16u + side)) & 1u) != 0u;
 }

@@ -1,9 +1,6 @@
 // Which leaf covers a place, which touch a point, which lie across a side: tessellate/tree.rs.
 
-struct Found {
-  node: u32,
-  depth: vec2u,
-}
+import table;
 
 struct Touching {
   // NOWHERE where patches share no vertices and this one is another's.
@@ -37,41 +34,6 @@ struct Across {
   depth: u32,
   itself: bool,
   turn: bool,
-}
-
-fn hash(root: u32, shape: u32, i: u32, j: u32) -> u32 {
-  var h = root * 0x9e3779b1u + shape * 0x27d4eb2fu + i * 0x85ebca77u + j * 0xc2b2ae3du;
-  h ^= h >> 15u;
-  h *= 0x2c1b3c6du;
-  return h ^ (h >> 13u);
-}
-
-// Where the slots of the table begin: tessellate/word.rs.
-const SLOTS = 2u + LEVELS * LEVELS;
-
-fn base_of(root: u32, p: vec2u) -> Found {
-  if !WORD {
-    return Found(root, vec2u(0u));
-  }
-  let mask = table[1];
-  for (var s = 0u; s < table[0]; s++) {
-    let shape = table[2u + s];
-    let depth = vec2u(shape & 0xffu, shape >> 8u);
-    let cell = p >> (vec2u(LEVELS) - depth);
-    var slot = hash(root, shape, cell.x, cell.y) & mask;
-    for (var probes = 0u; probes <= mask; probes++) {
-      let entry = table[SLOTS + slot];
-      if entry == 0u {
-        break;
-      }
-      let n = nodes[entry - 1u];
-      if n.x == root && (n.y & 0xffffu) == shape && n.z == cell.x && n.w == cell.y {
-        return Found(entry - 1u, depth);
-      }
-      slot = (slot + 1u) & mask;
-    }
-  }
-  return Found(0u, vec2u(0u));
 }
 
 fn locate(root: u32, p: vec2u) -> Found {

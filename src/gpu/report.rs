@@ -1,14 +1,13 @@
 //! What frames say of themselves, known to the host when it comes, without waiting.
 
-use super::super::Engine;
-use crate::tessellate::passes::Status;
+use super::{Engine, buffers};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
 /// Two buffers that take turns to carry a status to the host.
-pub(super) struct Report {
+pub(super) struct Report<T> {
     carriers: [Carrier; 2],
-    last: Arc<Mutex<Option<Status>>>,
+    last: Arc<Mutex<Option<T>>>,
 }
 
 struct Carrier {
@@ -26,12 +25,12 @@ impl Drop for Free {
     }
 }
 
-const BYTES: u64 = size_of::<Status>() as u64;
+impl<T: bytemuck::Pod + Send> Report<T> {
+    const BYTES: u64 = size_of::<T>() as u64;
 
-impl Report {
-    pub fn new(engine: &Engine) -> Report {
+    pub fn new(engine: &Engine) -> Report<T> {
         let carrier = || Carrier {
-            buffer: super::reading::staging(engine, BYTES),
+            buffer: buffers::staging(engine, Self::BYTES),
             busy: Arc::new(AtomicBool::new(false)),
         };
         Report { carriers: [carrier(), carrier()], last: Arc::new(Mutex::new(None)) }
@@ -41,7 +40,7 @@ impl Report {
     pub fn encode(&self, encoder: &mut wgpu::CommandEncoder, status: &wgpu::Buffer) {
         let free = |c: &&Carrier| !c.busy.swap(true, Ordering::AcqRel);
         let Some(carrier) = self.carriers.iter().find(free) else { return };
-        encoder.copy_buffer_to_buffer(status, 0, &carrier.buffer, 0, BYTES);
+        encoder.copy_buffer_to_buffer(status, 0, &carrier.buffer, 0, Self::BYTES);
         let (free, last, buffer) = (Free(carrier.busy.clone()), self.last.clone(), carrier.buffer.clone());
         encoder.map_buffer_on_submit(&carrier.buffer, wgpu::MapMode::Read, .., move |mapped| {
             if mapped.is_ok() {
@@ -56,7 +55,7 @@ impl Report {
         });
     }
 
-    pub fn last(&self) -> Option<Status> {
+    pub fn last(&self) -> Option<T> {
         *self.last.lock().ok()?
     }
 }
