@@ -66,12 +66,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut teapot = Tessellator::new(&engine, &nets, &level(&camera(0.0)), &Options::default(), &room)?;
     let points: Vec<[f32; 4]> = nets.iter().flat_map(|net| net.points.iter().copied()).collect();
     let sway = Sway::new(&device, &points, teapot.points());
-    let vertices = wgpu::VertexBufferLayout {
-        array_stride: teapot.format().stride(),
-        step_mode: wgpu::VertexStepMode::Vertex,
-        attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3],
-    };
-    let surface = host::Surface::new(&device, SHADER, vertices);
+    let surface = host::Surface::new(&device, SHADER, &teapot.vertex_layout().buffers());
     let target = host::Target::new(&device, SIZE);
 
     let mut under_way = VecDeque::new();

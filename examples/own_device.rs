@@ -30,13 +30,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (level, room) = (Level::pixels(0.5, camera), Capacity::for_vertices(50_000));
     let mut teapot = Tessellator::new(&engine, &nets, &level, &Options::default(), &room)?;
 
-    // The renderer's own pipeline: a vertex is position, normal and uv, in floats.
-    let vertices = wgpu::VertexBufferLayout {
-        array_stride: teapot.format().stride(),
-        step_mode: wgpu::VertexStepMode::Vertex,
-        attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3],
-    };
-    let surface = host::Surface::new(&device, SHADER, vertices);
+    // The renderer's own pipeline: position is at location 0, the normal at 1.
+    let surface = host::Surface::new(&device, SHADER, &teapot.vertex_layout().buffers());
     surface.look(&queue, &camera.clip);
     let target = host::Target::new(&device, [960, 640]);
 

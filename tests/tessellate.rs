@@ -12,6 +12,8 @@ mod mutants;
 #[cfg(feature = "gpu")]
 mod rules;
 mod sets;
+#[cfg(feature = "gpu")]
+mod slabs;
 
 use burgeon::cpu;
 use burgeon::cpu::tessellate::Tessellator;

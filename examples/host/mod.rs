@@ -121,7 +121,11 @@ pub struct Surface {
 }
 
 impl Surface {
-    pub fn new(device: &wgpu::Device, shader: &str, vertices: wgpu::VertexBufferLayout) -> Surface {
+    pub fn new(
+        device: &wgpu::Device,
+        shader: &str,
+        vertices: &[Option<wgpu::VertexBufferLayout>],
+    ) -> Surface {
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("surface"),
             source: wgpu::ShaderSource::Wgsl(shader.into()),
@@ -133,7 +137,7 @@ impl Surface {
                 module: &module,
                 entry_point: Some("vertex"),
                 compilation_options: Default::default(),
-                buffers: &[Some(vertices)],
+                buffers: vertices,
             },
             primitive: Default::default(),
             depth_stencil: Some(wgpu::DepthStencilState {

@@ -103,6 +103,17 @@ pub fn read<T: bytemuck::Pod>(
     buffer: &wgpu::Buffer,
     bytes: u64,
 ) -> Result<Vec<T>, Error> {
+    read_from(engine, doing, buffer, 0, bytes)
+}
+
+/// So many bytes of a buffer from `start` on.
+pub fn read_from<T: bytemuck::Pod>(
+    engine: &Engine,
+    doing: &'static str,
+    buffer: &wgpu::Buffer,
+    start: u64,
+    bytes: u64,
+) -> Result<Vec<T>, Error> {
     engine.checked(doing, || {
         let mut values = Vec::with_capacity(bytes as usize / size_of::<T>());
         let staging = staging(engine, bytes.clamp(16, PIECE));
@@ -111,7 +122,7 @@ pub fn read<T: bytemuck::Pod>(
             let piece = PIECE.min(bytes - at);
             let label = wgpu::CommandEncoderDescriptor { label: Some("burgeon read") };
             let mut encoder = engine.device.create_command_encoder(&label);
-            encoder.copy_buffer_to_buffer(buffer, at, &staging, 0, piece);
+            encoder.copy_buffer_to_buffer(buffer, start + at, &staging, 0, piece);
             engine.queue.submit([encoder.finish()]);
             mapped(engine, doing, &staging, piece, |bytes| {
                 values.extend(bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned::<T>));

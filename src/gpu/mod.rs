@@ -46,6 +46,9 @@ pub enum Error {
     Patches(#[from] crate::tessellate::topology::Error),
     #[error(transparent)]
     Word(#[from] crate::tessellate::word::Error),
+    /// Buffers of the caller's that do not hold a slab, or may not be written.
+    #[error("{0}")]
+    Slab(String),
     #[error("there are no rules: make the tessellation of a system (Tessellator::of_rules)")]
     NoRules,
     #[error("{found} control points where the patches have {expected}")]

@@ -165,6 +165,15 @@ pub struct Outputs {
     pub padding: [u32; 2],
 }
 
+impl Outputs {
+    /// Puts the first vertex so many words into what is bound.
+    pub fn begin_at(&mut self, words: u32) {
+        for place in self.places.chunks_exact_mut(2).filter(|place| place[0] != NOWHERE) {
+            place[0] += words;
+        }
+    }
+}
+
 /// A vertex before it is written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vertex {

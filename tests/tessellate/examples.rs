@@ -60,3 +60,17 @@ fn what_moves_is_drawn_in_every_frame_and_gets_the_room_that_it_needs() {
         assert!((0.1..0.8).contains(&share), "{share} of frame {frame}\n{said}");
     }
 }
+
+#[test]
+fn rules_that_run_with_each_frame_grow_a_lace_and_are_loaded_anew() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some(said) = run("growing", &["--frames", "8", "--out", "frames"], folder.path()) else { return };
+    for words in
+        ["the old rules go on", "rows have 2 and 1 cells", "other rules", "the room grows", "frame 7: "]
+    {
+        assert!(said.contains(words), "{said}");
+    }
+    let shares: Vec<f64> = (0..8).map(|n| drawn(&folder.path().join(format!("frames/{n:03}.png")))).collect();
+    assert!(shares.iter().all(|share| (0.02..0.8).contains(share)), "{shares:?}\n{said}");
+    assert!(shares[7] < 0.7 * shares[4], "{shares:?}: the lace is open");
+}

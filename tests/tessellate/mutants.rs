@@ -26,6 +26,8 @@ enum Check {
     Rational,
     /// A budget of triangles.
     Budget,
+    /// Buffers of the caller's.
+    Slab,
 }
 
 use Check::*;
@@ -73,6 +75,10 @@ const MUTANTS: &[Mutant] = &[
     ("tally", "found.node == i && found.corner == corner", "found.node == i", Roots),
     ("tally", "has_corner(nodes[to.node], ends[0])", "false", Word),
     ("finish", "vertices <= sizes.vertices", "vertices < sizes.vertices", Room),
+    ("finish", "sizes.first_index", "0u", Slab),
+    ("finish", "sizes.base_vertex", "0u", Slab),
+    ("finish", "let at = sizes.draw_word", "let at = 0u", Slab),
+    ("triangles", "sizes.index_word +", "", Slab),
     ("finish", "status[7] += 1u", "status[7] = 1u", Frames),
     ("begin", "budget.coarser -= back", "budget.coarser -= 0u", Budget),
     ("begin", "budget.fits = 0u", "budget.fits = 1u", Budget),
@@ -139,6 +145,7 @@ impl Check {
                 let levels = [Some(3_000), Some(2_000), Some(2_000), Some(4_000), None].map(level);
                 compare(&file("teapot.bpt", false), &levels, &shared(whole))
             }
+            Slab => super::slabs::difference(engine),
             Word => {
                 let (nets, options) = (sets::torus(2, 1, 3), Options { format: whole, seams: true });
                 let level = Level { depth: 0..=7, ..Level::world(0.3) };
@@ -186,7 +193,7 @@ fn every_mutant_of_a_tessellation_is_seen() {
     let Some(headless) = device::headless() else { return };
     let engine = Engine::new(&headless.device, &headless.queue);
     let mut wrong = Vec::new();
-    for check in [Roots, Word, Pixels, Frames, Room, Rational, Budget] {
+    for check in [Roots, Word, Pixels, Frames, Room, Rational, Budget, Slab] {
         assert_eq!(check.run(&engine), None, "{check:?} without a mutant");
     }
     for &(file, find, replace, check) in MUTANTS {

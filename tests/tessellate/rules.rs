@@ -154,6 +154,13 @@ fn a_word_without_room_leaves_the_one_before() {
     gpu.set_level(&finer).expect("a level");
     cpu.run(&finer.target().expect("a level"));
     assert_eq!(difference(&cpu, &submit(&engine, &mut gpu)), None);
+    // Somewhat more, which is still too little: what was drawn is drawn.
+    let drawn = submit(&engine, &mut gpu);
+    let room = Capacity { modules: modules + 10, ..gpu.capacity() };
+    gpu.set_capacity(&room).expect("room");
+    let frame = submit(&engine, &mut gpu);
+    assert!(!frame.status.complete() && frame.status.skipped != 0, "{:?}", frame.status);
+    assert_eq!((frame.draw, &frame.indices), (drawn.draw, &drawn.indices));
     // Room, as often as it takes.
     params.set = set(4, 0.05);
     let mut all = Cpu::new(&rules.nets, &options).expect("patches");

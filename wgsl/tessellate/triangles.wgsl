@@ -31,7 +31,7 @@ fn vertex_at(root: u32, p: vec2u) -> u32 {
 
 fn write(at: u32, a: u32, b: u32, c: u32, cell: u32) {
   let turn = mirrors(nodes[cell].x);
-  let base = sizes.first_index + 3u * at;
+  let base = sizes.index_word + 3u * at;
   indices[base] = a;
   indices[base + 1u] = select(b, c, turn);
   indices[base + 2u] = select(c, b, turn);

@@ -44,12 +44,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let engine = Engine::new(&device, &queue);
     let (level, room) = (Level::pixels(pixels, camera), Capacity::for_vertices(5_000));
     let mut teapot = Tessellator::new(&engine, &nets, &level, &Options::default(), &room)?;
-    let vertices = wgpu::VertexBufferLayout {
-        array_stride: teapot.format().stride(),
-        step_mode: wgpu::VertexStepMode::Vertex,
-        attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3],
-    };
-    let surface = host::Surface::new(&device, SHADER, vertices);
+    let surface = host::Surface::new(&device, SHADER, &teapot.vertex_layout().buffers());
     surface.look(&queue, &camera.clip);
 
     let context = egui::Context::default();

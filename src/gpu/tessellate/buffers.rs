@@ -2,6 +2,7 @@
 
 use super::super::{Engine, Error};
 use super::Capacity;
+use super::slab::{Drawn, Section, Slab};
 use crate::tessellate::budget::Budget;
 use crate::tessellate::lattice::{MAX_DEPTH, Node};
 use crate::tessellate::level::Target;
@@ -27,7 +28,7 @@ pub(super) const DISPATCH_BYTES: u64 = 32;
 
 /// What of counts and offsets a pass works on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Section {
+pub(super) enum Of {
     Vertices,
     Triangles,
 }
@@ -44,6 +45,10 @@ pub struct Sizes {
     pub base_vertex: u32,
     pub all: u32,
     pub tile: u32,
+    /// Words from what is bound to the first index, and to the draw's arguments.
+    pub index_word: u32,
+    pub draw_word: u32,
+    pub reserved: [u32; 2],
 }
 
 /// What does not depend on capacities.
@@ -53,6 +58,8 @@ pub(super) struct Input<'a> {
     pub table: &'a [u32],
     pub start: &'a [Node],
     pub format: &'a Format,
+    /// Where vertices, indices and the draw's arguments go, if the caller has a place for them.
+    pub slab: Option<&'a Slab>,
     /// Where the word is derived each frame.
     pub derived: Option<Derived>,
 }
@@ -104,10 +111,11 @@ pub(super) struct Buffers {
     pub counts: wgpu::Buffer,
     pub offsets: wgpu::Buffer,
     pub sums: wgpu::Buffer,
-    pub vertices: wgpu::Buffer,
-    pub indices: wgpu::Buffer,
+    pub vertices: Section,
+    pub indices: Section,
     pub cells: wgpu::Buffer,
-    pub draw: wgpu::Buffer,
+    pub draw: Section,
+    pub slab: Option<Slab>,
     /// [`Budget`].
     pub budget: wgpu::Buffer,
     pub status: wgpu::Buffer,
@@ -169,6 +177,18 @@ impl Buffers {
         };
         let vertices = u64::from(capacity.vertices) * input.format.stride();
         let indices = u64::from(capacity.indices);
+        let drawn = match input.slab {
+            Some(slab) => slab.drawn(engine, input.format, capacity.vertices, capacity.indices)?,
+            None => Drawn {
+                vertices: Section::whole(make("burgeon vertices", vertices, written | BufferUsages::VERTEX)?),
+                indices: Section::whole(make("burgeon indices", indices * 4, written | BufferUsages::INDEX)?),
+                draw: Section::whole(make(
+                    "burgeon draw arguments",
+                    size_of::<DrawArgs>() as u64,
+                    written | BufferUsages::INDIRECT,
+                )?),
+            },
+        };
         let buffers = Buffers {
             capacity: *capacity,
             nets: kept(|b| &b.nets, "burgeon control points", size_of_val(input.nets) as u64, written)?,
@@ -204,14 +224,11 @@ impl Buffers {
             counts: make("burgeon counts", 2 * section * 4, storage)?,
             offsets: make("burgeon offsets", 2 * section * 4, storage)?,
             sums: make("burgeon sums", (n.div_ceil(u64::from(tile)) + 1) * 4, storage)?,
-            vertices: make("burgeon vertices", vertices, written | BufferUsages::VERTEX)?,
-            indices: make("burgeon indices", indices * 4, written | BufferUsages::INDEX)?,
+            vertices: drawn.vertices,
+            indices: drawn.indices,
+            draw: drawn.draw,
+            slab: input.slab.cloned(),
             cells: make("burgeon cells of triangles", indices / 3 * 4, written)?,
-            draw: make(
-                "burgeon draw arguments",
-                size_of::<DrawArgs>() as u64,
-                written | BufferUsages::INDIRECT,
-            )?,
             budget: kept(|b| &b.budget, "burgeon budget", size_of::<Budget>() as u64, storage)?,
             status: kept(|b| &b.status, "burgeon status", size_of::<Status>() as u64, storage)?,
             section: section * 4,
@@ -227,17 +244,21 @@ impl Buffers {
             write(&buffers.table, 0, bytemuck::cast_slice(&[0, slots as u32 - 1]));
         }
         write(&buffers.nodes, 0, bytemuck::cast_slice(input.start));
-        let outputs = input.format.outputs(capacity.vertices);
+        let mut outputs = input.format.outputs(capacity.vertices);
+        outputs.begin_at(buffers.vertices.skipped_words());
         write(&buffers.outputs, 0, bytemuck::bytes_of(&outputs));
         let sizes = Sizes {
             nodes,
             vertices: capacity.vertices,
             indices: capacity.indices,
             section: section as u32,
-            first_index: 0,
-            base_vertex: 0,
+            first_index: input.slab.map_or(0, |slab| slab.first_index),
+            base_vertex: input.slab.map_or(0, |slab| slab.first_vertex),
             all: ALL,
             tile,
+            index_word: buffers.indices.skipped_words(),
+            draw_word: buffers.draw.skipped_words(),
+            reserved: [0; 2],
         };
         write(&buffers.sizes, 0, bytemuck::bytes_of(&sizes));
         for level in 0..LEVELS {
@@ -254,15 +275,17 @@ impl Buffers {
         Ok(buffers)
     }
 
-    /// Copies what is drawn from other buffers, if there is room for it here and it would lie the same.
+    /// Copies what is drawn from other buffers, if there is room for it here and it would lie the same; in a slab that
+    /// is kept it lies already.
     pub fn copy_drawn(&self, encoder: &mut wgpu::CommandEncoder, from: &Buffers, format: &Format) {
         let pairs = [
-            (&from.vertices, &self.vertices),
-            (&from.indices, &self.indices),
+            (&from.vertices.buffer, &self.vertices.buffer),
+            (&from.indices.buffer, &self.indices.buffer),
             (&from.cells, &self.cells),
-            (&from.draw, &self.draw),
+            (&from.draw.buffer, &self.draw.buffer),
         ];
-        if !format.separate && pairs.iter().all(|(old, new)| old.size() <= new.size()) {
+        let own = self.slab.is_none() && from.slab.is_none();
+        if own && !format.separate && pairs.iter().all(|(old, new)| old.size() <= new.size()) {
             for (old, new) in pairs {
                 encoder.copy_buffer_to_buffer(old, 0, new, 0, old.size());
             }

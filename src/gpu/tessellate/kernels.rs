@@ -3,7 +3,7 @@
 use super::super::kernels::{Binding, Bound, Kernel};
 use super::super::run::Run;
 use super::super::{Engine, Error};
-use super::buffers::{Buffers, RANGE_BYTES, Section};
+use super::buffers::{Buffers, Of, RANGE_BYTES};
 use crate::codegen::{self, Tessellation};
 
 /// One kernel a pass.
@@ -158,7 +158,7 @@ impl Kernels {
         let range = slot(&b.ranges);
         let section = |buffer, section| {
             let bytes = b.section_bytes();
-            Binding { buffer, offset: if section == Section::Triangles { bytes } else { 0 }, bytes }
+            Binding { buffer, offset: if section == Of::Triangles { bytes } else { 0 }, bytes }
         };
         let (children, before) = (&b.children[now], &b.children[1 - now]);
         let bind = |kernel: &Kernel, first: Binding, rest: &[Binding]| {
@@ -186,7 +186,7 @@ impl Kernels {
                     &b.marks
                 ],
             ),
-            scan: [scan(Section::Vertices), scan(Section::Triangles)],
+            scan: [scan(Of::Vertices), scan(Of::Triangles)],
             split: bind(
                 &self.split,
                 range,
@@ -211,37 +211,24 @@ impl Kernels {
             finish: bind(
                 &self.finish,
                 range,
-                &all![&b.sizes, &b.offsets, &b.budget, &b.status, &b.draw, &b.last],
+                &[&all![&b.sizes, &b.offsets, &b.budget, &b.status][..], &[b.draw.binding()], &all![&b.last]]
+                    .concat(),
             ),
             vertices: bind(
                 &self.vertices,
                 range,
-                &all![
-                    &b.outputs,
-                    &b.topology,
-                    &b.nets,
-                    &b.nodes,
-                    children,
-                    &b.table,
-                    &b.marks,
-                    &b.offsets,
-                    &b.vertices
-                ],
+                &all![&b.outputs, &b.topology, &b.nets, &b.nodes, children, &b.table, &b.marks, &b.offsets]
+                    .into_iter()
+                    .chain([b.vertices.binding()])
+                    .collect::<Vec<_>>(),
             ),
             triangles: bind(
                 &self.triangles,
                 range,
-                &all![
-                    &b.sizes,
-                    &b.topology,
-                    &b.nodes,
-                    children,
-                    &b.table,
-                    &b.marks,
-                    &b.offsets,
-                    &b.indices,
-                    &b.cells
-                ],
+                &all![&b.sizes, &b.topology, &b.nodes, children, &b.table, &b.marks, &b.offsets]
+                    .into_iter()
+                    .chain([b.indices.binding(), Binding::whole(&b.cells)])
+                    .collect::<Vec<_>>(),
             ),
         }
     }

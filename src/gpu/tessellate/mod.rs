@@ -45,10 +45,10 @@
 //! # }
 //! ```
 //!
-//! The pipeline reads vertices as [`Format`] says: by default position, normal and uv in floats, 32 bytes.
-//! Triangles run counter-clockwise seen from the side that the normals point to. Complete programs are in
-//! the folder `examples/`: `own_device.rs`, `animated.rs` and, with another library on the same device,
-//! `beside_egui/`.
+//! The pipeline reads vertices as [`Tessellator::vertex_layout`] says: by default position, normal and uv in floats,
+//! 32 bytes ([`Format`]). Triangles run counter-clockwise seen from the side that the normals point to. Complete programs are in
+//! the folder `examples/`: `own_device.rs`, `animated.rs`, `growing.rs` and, with another library on the same
+//! device, `beside_egui/`.
 //!
 //! - **A frame** allocates no buffer, bind group or pipeline, waits for nothing, and reads nothing but
 //!   its status, when that comes. [`Tessellator::set_level`] and [`Tessellator::set_points`] write through
@@ -57,6 +57,11 @@
 //! - **Points that move** are written to [`Tessellator::points`] by a pass of the host's, or by
 //!   [`Tessellator::set_points`]. Where nets met with equal control points, these must stay equal, to the
 //!   bit.
+//! - **Rules** that are derived with the frame: [`Tessellator::of_rules`]. Params, bound values, the view and the
+//!   control points may be others each frame; nothing is compiled or allocated for it, and the surface's cells
+//!   and holes follow. [`Tessellator::reload`] takes other rules, or says what is wrong with them and goes on with
+//!   those that are there.
+//! - **Slabs**: a renderer that keeps many meshes in one buffer gives ranges of it to [`Tessellator::set_slab`].
 //! - **Overflow**: without room for nodes some cells stay coarser, and the mesh is still closed. Without
 //!   room for vertices or indices the frame before is drawn again. Either is in [`Tessellator::status`],
 //!   some frames late, as [`Status::complete`]; then [`Tessellator::set_capacity`] makes new buffers, of
@@ -72,72 +77,32 @@
 //!   then equal to the bit, and there is still no crack.
 
 mod buffers;
-mod complete;
+mod capacity;
 mod kernels;
-use super::buffers as reading;
+mod layout;
+mod read;
+mod rules;
+mod slab;
+
 use super::report::Report;
-use super::run::{self, Run};
+use super::run::Run;
 use super::{Engine, Error};
 use crate::codegen::Tessellation;
-use crate::language::expr::Value;
-use crate::language::system::System;
-use crate::patch::{Axiom, Net, Values, Word};
-use crate::plan::{Plan, View};
+use crate::patch::{Net, Word};
 use crate::tessellate::budget::ROUNDS;
-use crate::tessellate::lattice::{NOWHERE, Node};
+use crate::tessellate::lattice::Node;
 use crate::tessellate::level::Target;
 use crate::tessellate::passes::{DrawArgs, Status};
 use crate::tessellate::vertex::Format;
-use crate::tessellate::word::{self, MOST_SHAPES, Table};
-use crate::tessellate::{Level, Options, Topology};
-use buffers::{ALL, Buffers, DISPATCH_BYTES, Derived, Input, LEVELS, SLOT};
-use kernels::{DerivedGroups, Groups, Kernels, Pass};
-
-/// Room for a frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Capacity {
-    /// Cells of all levels: 44 bytes each.
-    pub nodes: u32,
-    pub vertices: u32,
-    /// Three a triangle; each triangle takes 4 bytes more for its cell.
-    pub indices: u32,
-    /// Modules of the longest word on the way, where rules are derived with the frame; else no matter.
-    pub modules: u32,
-}
-
-impl Capacity {
-    /// For about so many vertices: a third more nodes, twice as many triangles, and words of as many modules.
-    pub fn for_vertices(vertices: u32) -> Capacity {
-        let nodes = vertices.saturating_add(vertices / 3).saturating_add(64);
-        Capacity { nodes, vertices, indices: vertices.saturating_mul(6), modules: vertices }
-    }
-
-    /// For what a frame wanted.
-    pub fn of(status: &Status) -> Capacity {
-        Capacity {
-            nodes: status.nodes,
-            vertices: status.vertices,
-            indices: status.indices,
-            modules: status.modules,
-        }
-    }
-
-    /// For what a frame wanted, and no less of anything than it had. Where nodes or modules were too few it is not
-    /// known how many there would have been, so twice as many are taken at least.
-    pub fn grown(status: &Status) -> Capacity {
-        // What comes behind something that found no room is not counted.
-        let grown = |needed: u32, there: u32| match needed > there {
-            true => needed.max(there.saturating_mul(2)),
-            false => there,
-        };
-        Capacity {
-            nodes: grown(status.nodes, status.node_capacity),
-            vertices: status.vertices.max(status.vertex_capacity),
-            indices: status.indices.max(status.index_capacity),
-            modules: grown(status.modules, status.module_capacity),
-        }
-    }
-}
+use crate::tessellate::word::{self, Table};
+use crate::tessellate::{Camera, Level, Measure, Options, Topology};
+use buffers::{ALL, Buffers, DISPATCH_BYTES, Input, LEVELS, SLOT};
+pub use capacity::Capacity;
+use kernels::{Groups, Kernels, Pass};
+pub use layout::VertexLayout;
+pub use read::Frame;
+use rules::{Given, Rules};
+pub use slab::Slab;
 
 /// A set of patches, and the buffers of its tessellation.
 ///
@@ -164,36 +129,6 @@ pub struct Tessellator {
     report: Report<Status>,
     /// Where the word is derived with the frame.
     rules: Option<Rules>,
-}
-
-/// A derivation that comes before the trees of a frame, and what its word is bound to.
-struct Rules {
-    run: Run,
-    groups: Option<DerivedGroups>,
-}
-
-/// Rules, where they begin, and with what.
-#[derive(Clone, Copy)]
-struct Given<'a> {
-    plan: &'a Plan,
-    axiom: &'a Axiom,
-    options: &'a run::Options,
-}
-
-impl<'a> Given<'a> {
-    fn of(run: &'a Run) -> Given<'a> {
-        Given { plan: run.plan(), axiom: run.axiom(), options: run.options() }
-    }
-
-    fn derived(&self, modules: u32) -> Derived {
-        let layout = &self.plan.tables.layout;
-        Derived {
-            quads: layout.record_words as u32 / 4,
-            // A system that keeps its holes has their symbol.
-            hole: self.plan.hole.map_or(NOWHERE, |hole| hole as u32),
-            modules: modules.max(self.axiom.roots.len() as u32),
-        }
-    }
 }
 
 impl Tessellator {
@@ -233,29 +168,6 @@ impl Tessellator {
         Tessellator::with_start(engine, nets, topology, start, None, level, options, capacity)
     }
 
-    /// For the word that rules derive of an axiom, anew with each frame: params, bound values, the view and the
-    /// control points may change from frame to frame, and the cells of the surface with them.
-    /// [`Capacity::modules`] is the room for the word.
-    ///
-    /// # Errors
-    /// What [`Plan::new`] says of the system, [`Run::new`] of the axiom and the options, and
-    /// [`Tessellator::new`] of the patches.
-    pub fn of_rules(
-        engine: &Engine,
-        system: &System,
-        axiom: &Axiom,
-        run: &run::Options,
-        level: &Level,
-        options: &Options,
-        capacity: &Capacity,
-    ) -> Result<Tessellator, Error> {
-        let plan = Plan::keeping_holes(system).map_err(crate::plan::Error::from)?;
-        let nets: Vec<Net> = axiom.roots.iter().map(|root| root.net.clone()).collect();
-        let topology = Topology::new(&nets)?;
-        let given = Given { plan: &plan, axiom, options: run };
-        Tessellator::with_start(engine, &nets, topology, vec![], Some(given), level, options, capacity)
-    }
-
     #[allow(clippy::too_many_arguments)]
     fn with_start(
         engine: &Engine,
@@ -286,6 +198,7 @@ impl Tessellator {
                 start: &start,
                 format: &options.format,
                 derived,
+                slab: None,
             };
             let buffers = Buffers::new(engine, &input, capacity, None)?;
             let run = |given: Given| {
@@ -328,6 +241,26 @@ impl Tessellator {
     /// # Errors
     /// As for [`Tessellator::new`]; then the old room is still there.
     pub fn set_capacity(&mut self, capacity: &Capacity) -> Result<(), Error> {
+        self.make_room(capacity, self.buffers.slab.clone())
+    }
+
+    /// From now on vertices, indices and the draw's arguments go to a slab of the caller's, of which they take as much
+    /// as `capacity` says; nothing is drawn of it until a frame has run.
+    ///
+    /// # Errors
+    /// [`Error::Slab`] where the buffers do not hold it or lack a usage, [`Error::Binding`], and what the device says;
+    /// then all is as before.
+    pub fn set_slab(&mut self, slab: &Slab, capacity: &Capacity) -> Result<(), Error> {
+        self.make_room(capacity, Some(slab.clone()))?;
+        let zeros = [0u8; size_of::<DrawArgs>()];
+        let (engine, draw) = (&self.engine, &self.buffers.draw);
+        engine.checked("emptying a draw", || {
+            engine.queue.write_buffer(&draw.buffer, draw.at, &zeros);
+            Ok(())
+        })
+    }
+
+    fn make_room(&mut self, capacity: &Capacity, slab: Option<Slab>) -> Result<(), Error> {
         let engine = self.engine.clone();
         engine.checked("making room for a tessellation", || {
             let input = Input {
@@ -337,6 +270,7 @@ impl Tessellator {
                 start: &self.start,
                 format: &self.what.options.format,
                 derived: self.rules.as_ref().map(|rules| Given::of(&rules.run).derived(capacity.modules)),
+                slab: slab.as_ref(),
             };
             let buffers = Buffers::new(&engine, &input, capacity, Some(&self.buffers))?;
             if let Some(rules) = &mut self.rules {
@@ -352,81 +286,6 @@ impl Tessellator {
             self.bind_rules();
             Ok(())
         })
-    }
-
-    /// Binds the word to what may have been made anew.
-    fn bind_rules(&mut self) {
-        if let Some(rules) = &mut self.rules {
-            rules.groups = self.kernels.derived_groups(&self.engine, &self.buffers, &rules.run);
-        }
-    }
-
-    /// The derivation that comes with each frame, if there is one.
-    pub fn run(&self) -> Option<&Run> {
-        self.rules.as_ref().map(|rules| &rules.run)
-    }
-
-    /// Other values of params of the rules: those named are replaced. Holds from the next submission on; nothing is
-    /// compiled, and buffers are made only where the schedule becomes longer than it ever was.
-    ///
-    /// # Errors
-    /// As for [`Run::set`], and [`Error::NoRules`]; then nothing has changed.
-    pub fn set_params(&mut self, params: &[(String, Value)]) -> Result<(), Error> {
-        self.change(|run| run.set(params))
-    }
-
-    /// Other values of a query without `=`.
-    ///
-    /// # Errors
-    /// As for [`Run::bind`], and [`Error::NoRules`]; then nothing has changed.
-    pub fn bind(&mut self, query: &str, values: Values) -> Result<(), Error> {
-        self.change(|run| run.bind(query, values))
-    }
-
-    /// What the rules see the screen's attributes through.
-    ///
-    /// # Errors
-    /// What the device says, and [`Error::NoRules`].
-    pub fn set_view(&mut self, view: View) -> Result<(), Error> {
-        self.change(|run| run.set_view(view))
-    }
-
-    fn change(&mut self, change: impl FnOnce(&mut Run) -> Result<(), Error>) -> Result<(), Error> {
-        let rules = self.rules.as_mut().ok_or(Error::NoRules)?;
-        let rooms = rules.run.rooms();
-        change(&mut rules.run)?;
-        if rules.run.rooms() != rooms {
-            self.bind_rules();
-        }
-        Ok(())
-    }
-
-    /// Other rules, from the next frame on; or an error, and those that are there go on. Kernels of the rules are
-    /// compiled here. Where the axiom has the patches that it had, control points stay where they were moved to,
-    /// and all buffers with what is drawn; else everything is made anew, and must be bound anew.
-    ///
-    /// # Errors
-    /// As for [`Tessellator::of_rules`], and [`Error::NoRules`]; then nothing has changed.
-    pub fn reload(&mut self, system: &System, axiom: &Axiom, run: &run::Options) -> Result<(), Error> {
-        let rules = self.rules.as_ref().ok_or(Error::NoRules)?;
-        let modules = rules.run.capacity();
-        let engine = self.engine.clone();
-        let old = &rules.run.axiom().roots;
-        if axiom.roots.len() != old.len() || axiom.roots.iter().zip(old).any(|(a, b)| a.net != b.net) {
-            let (level, options) = (self.level.clone(), self.what.options);
-            let capacity = self.capacity();
-            let mut new = Tessellator::of_rules(&engine, system, axiom, run, &level, &options, &capacity)?;
-            new.frozen = self.frozen;
-            *self = new;
-            return Ok(());
-        }
-        let plan = Plan::keeping_holes(system).map_err(crate::plan::Error::from)?;
-        let given = Given { plan: &plan, axiom, options: run };
-        let new = Run::with_points(&engine, &plan, axiom, run, modules, Some(&self.buffers.nets))?;
-        self.buffers.write_source(&engine, &given.derived(modules));
-        self.rules = Some(Rules { run: new, groups: None });
-        self.bind_rules();
-        Ok(())
     }
 
     /// The room that there is.
@@ -448,6 +307,14 @@ impl Tessellator {
         // Leaves of a word that are short along one direction may be split beyond the most.
         self.levels = (self.target.most + self.least + 1).min(LEVELS);
         Ok(())
+    }
+
+    /// What the next frames are seen with, where the tolerance is in pixels; else it is from now on.
+    ///
+    /// # Errors
+    /// As for [`Tessellator::set_level`].
+    pub fn set_camera(&mut self, camera: Camera) -> Result<(), Error> {
+        self.set_level(&Level { measure: Measure::Pixels(camera), ..self.level.clone() })
     }
 
     /// Other control points, those of one root after the other as the nets had them, of patches that meet
@@ -537,31 +404,6 @@ impl Tessellator {
         }
     }
 
-    /// The word, and its leaves as the nodes of the first level.
-    fn derive(&self, pass: &mut wgpu::ComputePass) {
-        let Some(Rules { run, groups: Some(groups) }) = &self.rules else { return };
-        let (Some(kernels), Some(words)) = (&self.kernels.derived, &self.buffers.words) else { return };
-        run.record(pass);
-        let (_, place) = run.record_places();
-        let (workgroups, at) = run.workgroups();
-        pass.set_pipeline(&kernels.recall.pipelines[0]);
-        pass.set_bind_group(0, &groups.recall[place], &[]);
-        pass.dispatch_workgroups_indirect(workgroups, at);
-        pass.set_pipeline(&kernels.adopt.pipelines[0]);
-        pass.set_bind_group(0, &groups.adopt, &[]);
-        pass.dispatch_workgroups(1, 1, 1);
-        pass.set_bind_group(0, &groups.enter, &[0]);
-        let [forget, enter, arrange] = [0, 1, 2].map(|n| &kernels.enter.pipelines[n]);
-        let slots = words.slots.max(MOST_SHAPES as u32);
-        let [x, y] = super::kernels::groups(u64::from(slots), self.engine.tuning().workgroup);
-        pass.set_pipeline(forget);
-        pass.dispatch_workgroups(x, y, 1);
-        pass.set_pipeline(enter);
-        pass.dispatch_workgroups_indirect(&self.buffers.dispatches, 0);
-        pass.set_pipeline(arrange);
-        pass.dispatch_workgroups(1, 1, 1);
-    }
-
     fn one(
         &self,
         pass: &mut wgpu::ComputePass,
@@ -605,16 +447,17 @@ impl Tessellator {
     pub fn points(&self) -> &wgpu::Buffer {
         &self.buffers.nets
     }
+    /// As [`Tessellator::format`] says, from the first vertex of the [`Slab`] on, if there is one.
     pub fn vertices(&self) -> &wgpu::Buffer {
-        &self.buffers.vertices
+        &self.buffers.vertices.buffer
     }
     /// `u32`, three a triangle.
     pub fn indices(&self) -> &wgpu::Buffer {
-        &self.buffers.indices
+        &self.buffers.indices.buffer
     }
     /// [`DrawArgs`].
     pub fn draw_args(&self) -> &wgpu::Buffer {
-        &self.buffers.draw
+        &self.buffers.draw.buffer
     }
     /// For each triangle the node whose surface it is, `u32`.
     pub fn cells(&self) -> &wgpu::Buffer {
@@ -628,6 +471,10 @@ impl Tessellator {
     pub fn status_buffer(&self) -> &wgpu::Buffer {
         &self.buffers.status
     }
+    /// The vertices, as a render pipeline reads them.
+    pub fn vertex_layout(&self) -> VertexLayout {
+        VertexLayout::new(self.format())
+    }
     pub fn format(&self) -> &Format {
         &self.what.options.format
     }
@@ -639,37 +486,6 @@ impl Tessellator {
     /// when the device is polled, as a submission and a presented picture do.
     pub fn status(&self) -> Option<Status> {
         self.report.last()
-    }
-
-    /// Reads a frame that was submitted, and waits for it: for the command and for tests.
-    pub fn read(&self) -> Result<Frame, Error> {
-        let e = &self.engine;
-        let b = &self.buffers;
-        let doing = "reading a tessellation";
-        let status: Status = reading::read(e, doing, &b.status, size_of::<Status>() as u64)?[0];
-        let ranges: Vec<u32> = reading::read(e, doing, &b.ranges, b.ranges.size())?;
-        let draw: DrawArgs = reading::read(e, doing, &b.draw, size_of::<DrawArgs>() as u64)?[0];
-        let nodes = u64::from(ranges[(u64::from(ALL) * SLOT / 4) as usize]).min(b.nodes.size() / 16);
-        let indices = u64::from(draw.index_count).min(b.indices.size() / 4);
-        let vertices = match status.skipped {
-            0 => u64::from(status.vertices) * self.format().stride(),
-            _ => b.vertices.size(),
-        };
-        let (section, now) = (b.section_bytes() as usize / 4, 1 - self.turn);
-        let offsets: Vec<u32> = reading::read(e, doing, &b.offsets, b.offsets.size())?;
-        let vertices = if self.format().separate { b.vertices.size() } else { vertices };
-        Ok(Frame {
-            status,
-            draw,
-            nodes: reading::read(e, doing, &b.nodes, nodes * 16)?,
-            children: reading::read(e, doing, &b.children[now], nodes * 4)?,
-            marks: reading::read(e, doing, &b.marks, nodes * 4)?,
-            offsets: offsets[..=nodes as usize].to_vec(),
-            triangle_offsets: offsets[section..=section + nodes as usize].to_vec(),
-            vertices: reading::read(e, doing, &b.vertices, vertices.min(b.vertices.size()))?,
-            indices: reading::read(e, doing, &b.indices, indices * 4)?,
-            cells: reading::read(e, doing, &b.cells, indices / 3 * 4)?,
-        })
     }
 }
 
@@ -692,19 +508,4 @@ enum Workgroups {
     One,
     Nodes,
     Last,
-}
-
-/// A frame, read back.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Frame {
-    pub status: Status,
-    pub draw: DrawArgs,
-    pub nodes: Vec<Node>,
-    pub children: Vec<u32>,
-    pub marks: Vec<u32>,
-    pub offsets: Vec<u32>,
-    pub triangle_offsets: Vec<u32>,
-    pub vertices: Vec<u32>,
-    pub indices: Vec<u32>,
-    pub cells: Vec<u32>,
 }

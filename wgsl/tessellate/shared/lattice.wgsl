@@ -32,6 +32,10 @@ struct Sizes {
   // Of the range of all nodes.
   all: u32,
   tile: u32,
+  // Words from what is bound to the first index, and to the draw's arguments.
+  index_word: u32,
+  draw_word: u32,
+  reserved: vec2u,
 }
 
 // More than 65,535 workgroups need two dimensions: invocations are counted along x, then y.
