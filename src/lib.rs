@@ -150,6 +150,7 @@ pub mod codegen;
 #[cfg(feature = "gpu")]
 pub mod conformance;
 pub mod cpu;
+pub mod curve;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod io;

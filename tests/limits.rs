@@ -508,6 +508,9 @@ impl<B: Backend> Backend for Small<B> {
         assert!(pieces.iter().all(|p| (1..=most).contains(&self.inner.len(p))));
         Ok(pieces)
     }
+    fn join(&mut self, chunks: Vec<B::Chunk>, ring: bool) -> Result<Vec<B::Chunk>, B::Error> {
+        self.inner.join(chunks, ring)
+    }
     fn recycle(&mut self, chunk: B::Chunk) {
         self.inner.recycle(chunk);
     }

@@ -1,6 +1,7 @@
 //! All integration tests, in one binary so that linking stays cheap.
 mod arrows;
 mod check;
+mod curves;
 #[cfg(feature = "cli")]
 mod command;
 #[cfg(feature = "gpu")]

@@ -12,6 +12,6 @@ import rules;
 fn count(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
   let i = linear(id, groups);
   if i < extent.count {
-    counts[i] = (rule_word(rules[i]) >> 8u) & 7u;
+    counts[i] = (rule_word(rules[i]) >> 8u) & 255u;
   }
 }

@@ -5,6 +5,7 @@ use crate::plan::code::{ChildCode, RuleCode};
 use crate::plan::graph::{Graph, Node, NodeId, Scalar};
 use crate::plan::layout::Layout;
 use crate::plan::tables::{MatchRule, Production, Stage};
+use std::collections::HashMap;
 
 /// Lines of WGSL, each with the rule it says.
 #[derive(Clone, Debug, Default)]
@@ -33,12 +34,12 @@ pub fn record(layout: &Layout, writes: bool) -> Text {
     // With the number of the module in the chunk, by which its attributes are found.
     text.line(format!("struct Record {{ {}, index: u32 }}", list(&|q| format!("q{q}: vec4u"))));
     text.line("fn read_record(i: u32) -> Record {");
-    text.line("  let b = i * QUADS;");
+    text.line("  let b = (i + HALO) * QUADS;");
     text.line(format!("  return Record({}, i);", list(&|q| format!("records[b + {q}u]"))));
     text.line("}");
     if writes {
         text.line("fn write_record(at: u32, r: Record) {");
-        text.line("  let b = at * QUADS;");
+        text.line("  let b = (at + HALO) * QUADS;");
         for q in 0..quads {
             text.line(format!("  next_records[b + {q}u] = r.q{q};"));
         }
@@ -51,6 +52,11 @@ pub fn record(layout: &Layout, writes: bool) -> Text {
 pub fn matching(stage: &Stage) -> Text {
     let mut text = Text::default();
     text.line("fn matching_rule(m: Record) -> u32 {");
+    if stage.closed.is_some() && stage.productions.len() == 1 {
+        text.line("  return 0u;");
+        text.line("}");
+        return text;
+    }
     text.line("  switch symbol_of(m) {");
     for (symbol, ids) in stage.by_symbol.iter().enumerate() {
         let idle = stage.idle(symbol);
@@ -123,11 +129,12 @@ pub fn successors(stage: &Stage) -> Text {
     let mut text = Text::default();
     text.line("fn successor(rule: u32, c: u32, m: Record) -> Record {");
     text.line("  var r = Record();");
-    text.line("  switch rule * 4u + c {");
+    let cells = cells(stage);
+    text.line("  switch rule * CELLS + c {");
     for (id, p) in stage.productions.iter().enumerate() {
         for (c, cell) in p.cells.iter().enumerate() {
             if let Some(successor) = cell {
-                text.of_rule(format!("    case {}u: {{", id * 4 + c), p.span);
+                text.of_rule(format!("    case {}u: {{", id * cells + c), p.span);
                 child(&mut text, p, &stage.code.children[id], c, successor.symbol);
                 text.line("    }");
             }
@@ -138,6 +145,11 @@ pub fn successors(stage: &Stage) -> Text {
     text.line("  return r;");
     text.line("}");
     text
+}
+
+/// The most cells of a production.
+pub fn cells(stage: &Stage) -> usize {
+    stage.productions.iter().map(|p| p.cells.len()).max().unwrap_or(1).max(1)
 }
 
 fn child(text: &mut Text, p: &Production, code: &ChildCode, cell: usize, symbol: usize) {
@@ -154,6 +166,8 @@ fn child(text: &mut Text, p: &Production, code: &ChildCode, cell: usize, symbol:
 struct Values<'a> {
     graph: &'a Graph,
     texts: Vec<String>,
+    /// The records around the module that are read, by their offset.
+    near: HashMap<i32, String>,
 }
 
 impl<'a> Values<'a> {
@@ -172,7 +186,19 @@ impl<'a> Values<'a> {
                 graph.args(id).into_iter().for_each(|a| uses[a] += 1);
             }
         }
-        let mut values = Values { graph, texts: Vec::with_capacity(graph.nodes.len()) };
+        let texts = Vec::with_capacity(graph.nodes.len());
+        let mut values = Values { graph, texts, near: HashMap::new() };
+        for (id, node) in graph.nodes.iter().enumerate() {
+            if let (true, Node::Near(_, offset, _) | Node::NearSymbol(offset)) = (uses[id] > 0, *node)
+                && !values.near.contains_key(&offset)
+            {
+                let name = format!("near{}_{}", text.lines.len(), values.near.len());
+                let sign = if offset < 0 { "-" } else { "+" };
+                let record = format!("read_record(m.index {sign} {}u)", offset.unsigned_abs());
+                text.of_rule(format!("{indent}let {name} = {record};"), span);
+                values.near.insert(offset, name);
+            }
+        }
         for (id, node) in graph.nodes.iter().enumerate() {
             let mut value = if uses[id] == 0 { String::new() } else { values.node(node) };
             if uses[id] > 1
@@ -208,6 +234,12 @@ impl<'a> Values<'a> {
             Node::Literal(ty, word) => literal(ty, word),
             Node::Held(word) => literal(Scalar::Float, word),
             Node::Field(ty, at) => from_word(ty, &lane(at)),
+            Node::Near(ty, offset, at) => {
+                from_word(ty, &lane(at).replacen('m', self.near.get(&offset).map_or("m", String::as_str), 1))
+            }
+            Node::NearSymbol(offset) => {
+                format!("i32({}.q0.x & 0xffffu)", self.near.get(&offset).map_or("m", String::as_str))
+            }
             Node::Uniform(ty, at) => from_word(ty, &format!("uniform_word({at}u)")),
             Node::Measured(ty, at) => from_word(ty, &format!("measured_word(m, {at}u)")),
             Node::Given(ty, index) => from_word(ty, &format!("given_word({})", self.texts[index])),

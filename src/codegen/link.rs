@@ -17,6 +17,7 @@ macro_rules! files {
 const FILES: &[(&str, &str)] = files![
     "shared/address"
     "shared/attributes"
+    "shared/cell"
     "shared/children"
     "shared/elementary"
     "shared/extent"
@@ -33,6 +34,7 @@ const FILES: &[(&str, &str)] = files![
     "emit"
     "emit_by_line"
     "emit_by_point"
+    "emit_word"
     "expand"
     "match_modules"
     "measure"

@@ -64,6 +64,11 @@ impl Tuning {
     pub const GPU: Tuning =
         Tuning { workgroup: 64, scan_workgroup: 256, scan_items: 32, mapping: Mapping::PointPerInvocation };
 
+    /// The kernel that writes children.
+    fn emit_kernel(&self, layout: &Layout) -> &'static str {
+        if layout.is_curve() { "emit_word" } else { self.mapping_of(layout).kernel() }
+    }
+
     /// How `emit` is laid out for nets of this layout.
     fn mapping_of(&self, layout: &Layout) -> Mapping {
         match self.mapping {
@@ -75,6 +80,9 @@ impl Tuning {
 
     /// Invocations of `emit` for so many nets.
     pub fn emit_invocations(&self, nets: u64, layout: &Layout) -> u64 {
+        if layout.is_curve() {
+            return nets;
+        }
         match self.mapping_of(layout) {
             Mapping::NetPerInvocation => nets,
             Mapping::PointPerInvocation => nets * layout.net_points() as u64,
@@ -86,6 +94,9 @@ impl Tuning {
 
     /// Nets that a workgroup of `emit` takes.
     fn emit_nets(&self, layout: &Layout) -> usize {
+        if layout.is_curve() {
+            return self.workgroup as usize;
+        }
         match self.mapping_of(layout) {
             Mapping::NetPerInvocation => self.workgroup as usize,
             Mapping::PointPerInvocation => self.workgroup as usize / layout.net_points(),
@@ -96,7 +107,7 @@ impl Tuning {
     /// Nets that a workgroup takes by lines: as many as it has invocations for, and memory for both
     /// halves of each.
     fn nets_by_line(&self, layout: &Layout) -> usize {
-        let memory = WORKGROUP_BYTES / (2 * layout.net_bytes() as usize);
+        let memory = WORKGROUP_BYTES / (2 * layout.net_bytes() as usize).max(16);
         (self.workgroup as usize / lines(layout)).min(memory).max(1)
     }
 
@@ -177,7 +188,7 @@ pub fn stage_edited(
         measure,
         match_modules: build("match_modules", &constants, match_parts, edit)?,
         count: build("count", &constants, generate::Text::default(), edit)?,
-        emit: build(tuning.mapping_of(&layout).kernel(), &constants, emit_parts, edit)?,
+        emit: build(tuning.emit_kernel(&layout), &constants, emit_parts, edit)?,
     })
 }
 
@@ -227,10 +238,11 @@ pub fn measures(tuning: &Tuning) -> Result<[Shader; 2], Error> {
 
 fn layout_constants(layout: &Layout, tuning: &Tuning) -> String {
     format!(
-        "const WORKGROUP = {}u;\nconst QUADS = {}u;\nconst POINTS = {}u;\nconst ROWS = {}u;\nconst COLUMNS = {}u;\n\
+        "const WORKGROUP = {}u;\nconst QUADS = {}u;\nconst HALO = {}u;\nconst POINTS = {}u;\nconst ROWS = {}u;\nconst COLUMNS = {}u;\n\
          const LINES = {}u;\nconst NETS = {}u;\n",
         tuning.workgroup,
         layout.record_words / 4,
+        layout.halo(),
         layout.net_points(),
         layout.degree[0] + 1,
         layout.degree[1] + 1,
@@ -244,13 +256,14 @@ fn stage_constants(plan: &Plan, stage: &Stage, tuning: &Tuning) -> String {
     let words = (table + stage.productions.len() + 2).next_multiple_of(4);
     format!(
         "{}const ENVIRONMENT_QUADS = {}u;\nconst RULE_TABLE = {table}u;\nconst KEEP = {}u;\n\
-         const CLOSED = {}u;\nconst ONLY_RULE_WORD = {}u;\nconst MEASURED = {}u;\n",
+         const CLOSED = {}u;\nconst ONLY_RULE_WORD = {}u;\nconst MEASURED = {}u;\nconst CELLS = {}u;\n",
         layout_constants(&plan.tables.layout, tuning),
         words / 4,
         stage.keep(),
         stage.closed.unwrap_or(0),
         only_rule_word(stage),
         stage.row.words,
+        generate::cells(stage),
     )
 }
 

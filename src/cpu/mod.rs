@@ -7,6 +7,7 @@ pub mod compact;
 pub mod copy;
 pub mod count;
 pub mod emit;
+pub mod emit_word;
 pub mod expand;
 pub mod match_modules;
 pub mod measure;
@@ -16,11 +17,12 @@ pub mod scan;
 pub mod tessellate;
 
 use crate::language::expr::Value;
-use crate::patch;
+use crate::{curve, patch};
 use crate::plan::compare::{Replay, Trace, Traced, UNTRACED};
 use crate::plan::derive::{self, Backend, Modules, Options, Outcome, StageId};
 use crate::plan::given::Given;
-use crate::plan::layout::Layout;
+use crate::plan::edges;
+use crate::plan::layout::{END, Layout};
 use crate::plan::step::{Clock, Status};
 use crate::plan::tables::Stage;
 use crate::plan::{Error, Plan};
@@ -29,7 +31,7 @@ use std::collections::HashMap;
 /// Modules that one task of a pass works on.
 pub const BLOCK: usize = 1024;
 
-/// Records and nets of a chunk. The vectors come from a pool and may be longer than the chunk.
+/// Records, with those beside them, and nets of a chunk. The vectors come from a pool and may be longer than the chunk.
 pub struct Chunk {
     records: Vec<u32>,
     nets: Vec<[f32; 4]>,
@@ -106,7 +108,9 @@ impl<'a> Cpu<'a> {
         let n = chunk.len;
         let nets = &chunk.nets[..n * layout.net_points()];
         let mut input = program::Input {
-            records: &chunk.records[..n * layout.record_words],
+            records: chunk.own(&layout),
+            window: &chunk.records,
+            first: layout.halo(),
             layout,
             environment,
             given: &self.given.words,
@@ -137,6 +141,11 @@ impl<'a> Cpu<'a> {
         let mut next = take_if(total, || self.pool.take(total));
         let mut finished = take_if(retired, || self.pool.take(retired));
         let fits = next.as_mut().is_none_or(|next| {
+            if layout.is_curve() {
+                let (rules, offsets) = (&columns.rules, &columns.offsets);
+                emit_word::emit_word(&self.threads, stage, &input, rules, offsets, next.own_mut(&layout));
+                return true;
+            }
             let out = emit::Output {
                 records: &mut next.records[..total * layout.record_words],
                 nets: &mut next.nets[..total * layout.net_points()],
@@ -155,6 +164,18 @@ impl<'a> Cpu<'a> {
     }
 }
 
+impl Chunk {
+    fn size(&self) -> usize {
+        self.records.len() + 4 * self.nets.len()
+    }
+    fn own(&self, layout: &Layout) -> &[u32] {
+        &self.records[layout.halo() * layout.record_words..][..self.len * layout.record_words]
+    }
+    fn own_mut(&mut self, layout: &Layout) -> &mut [u32] {
+        &mut self.records[layout.halo() * layout.record_words..][..self.len * layout.record_words]
+    }
+}
+
 /// Chunks to be used again. It keeps a few, since a step needs at most one in and two out.
 struct Pool {
     layout: Layout,
@@ -164,11 +185,12 @@ struct Pool {
 impl Pool {
     /// A chunk with room for `len` modules; what it holds is anything.
     fn take(&mut self, len: usize) -> Chunk {
-        let (words, points) = (len * self.layout.record_words, len * self.layout.net_points());
+        let beside = 2 * self.layout.halo();
+        let (words, points) = ((len + beside) * self.layout.record_words, len * self.layout.net_points());
         let fits = |c: &Chunk| c.records.len() >= words && c.nets.len() >= points;
         let smallest = (0..self.chunks.len())
             .filter(|&i| fits(&self.chunks[i]))
-            .min_by_key(|&i| self.chunks[i].nets.len());
+            .min_by_key(|&i| self.chunks[i].size());
         match smallest {
             Some(i) => Chunk { len, ..self.chunks.swap_remove(i) },
             None => Chunk { records: vec![0; words], nets: vec![[0.0; 4]; points], len },
@@ -179,7 +201,7 @@ impl Pool {
     fn give(&mut self, chunk: Chunk) {
         self.chunks.push(chunk);
         if self.chunks.len() > 4 {
-            let least = (0..self.chunks.len()).min_by_key(|&i| self.chunks[i].nets.len()).unwrap_or(0);
+            let least = (0..self.chunks.len()).min_by_key(|&i| self.chunks[i].size()).unwrap_or(0);
             self.chunks.swap_remove(least);
         }
     }
@@ -237,14 +259,19 @@ impl Backend for Cpu<'_> {
     }
 
     fn upload(&mut self, records: Vec<u32>, nets: Vec<[f32; 4]>) -> Result<Chunk, Error> {
-        let len = records.len() / self.plan.tables.layout.record_words;
-        Ok(Chunk { records, nets, len })
+        let layout = &self.plan.tables.layout;
+        let len = records.len() / layout.record_words;
+        if !layout.is_curve() {
+            return Ok(Chunk { records, nets, len });
+        }
+        let mut chunk = self.pool.take(len);
+        chunk.own_mut(layout).copy_from_slice(&records);
+        Ok(chunk)
     }
 
     fn read(&mut self, chunk: &Chunk) -> Result<Modules, Error> {
         let layout = &self.plan.tables.layout;
-        let records = chunk.records[..chunk.len * layout.record_words].to_vec();
-        Ok((records, chunk.nets[..chunk.len * layout.net_points()].to_vec()))
+        Ok((chunk.own(layout).to_vec(), chunk.nets[..chunk.len * layout.net_points()].to_vec()))
     }
 
     fn len(&self, chunk: &Chunk) -> usize {
@@ -253,7 +280,8 @@ impl Backend for Cpu<'_> {
 
     /// 128 MiB of nets, as on a GPU with default limits: smaller chunks are freed earlier.
     fn most_modules(&self) -> usize {
-        (128 << 20) / self.plan.tables.layout.net_bytes() as usize
+        let layout = &self.plan.tables.layout;
+        (128 << 20) / layout.net_bytes().max(layout.record_bytes()) as usize - 2 * layout.halo()
     }
 
     fn split(&mut self, chunk: Chunk, most: usize) -> Result<Vec<Chunk>, Error> {
@@ -261,13 +289,35 @@ impl Backend for Cpu<'_> {
         let (words, points) = (layout.record_words, layout.net_points());
         let piece = |start: usize| {
             let len = most.min(chunk.len - start);
+            // With as many records on either side, which are not yet those that stand there.
+            let end = start + len + 2 * layout.halo();
             Chunk {
-                records: chunk.records[start * words..(start + len) * words].to_vec(),
+                records: chunk.records[start * words..end * words].to_vec(),
                 nets: chunk.nets[start * points..(start + len) * points].to_vec(),
                 len,
             }
         };
         Ok((0..chunk.len).step_by(most).map(piece).collect())
+    }
+
+    fn join(&mut self, mut chunks: Vec<Chunk>, ring: bool) -> Result<Vec<Chunk>, Error> {
+        let layout = self.plan.tables.layout;
+        let (words, halo) = (layout.record_words, layout.halo());
+        let lengths: Vec<usize> = chunks.iter().map(|chunk| chunk.len).collect();
+        for (n, edges) in edges::edges(&lengths, ring).into_iter().enumerate() {
+            for (k, edge) in edges.into_iter().enumerate() {
+                let mut record = vec![0; words];
+                match edge {
+                    Some((chunk, module)) => {
+                        record.copy_from_slice(&chunks[chunk].own(&layout)[module * words..][..words]);
+                    }
+                    None => record[0] = END,
+                }
+                let at = if k < halo { k } else { lengths[n] + k };
+                chunks[n].records[at * words..][..words].copy_from_slice(&record);
+            }
+        }
+        Ok(chunks)
     }
 
     fn recycle(&mut self, chunk: Chunk) {
@@ -321,6 +371,9 @@ impl Traced for Cpu<'_> {
 }
 
 impl Replay for Cpu<'_> {
+    fn window(&self, chunk: &Chunk) -> Vec<u32> {
+        chunk.records.clone()
+    }
     fn replay(
         &mut self,
         stage: StageId,
@@ -334,6 +387,19 @@ impl Replay for Cpu<'_> {
     fn environment(&self, stage: StageId) -> Vec<u32> {
         self.plan.environment(stage.of(self.plan), &self.uniforms, &self.given)
     }
+}
+
+/// Derives the whole schedule of a curve system on the CPU and reads the word; how it went, too.
+pub fn derive_curve(
+    plan: &Plan,
+    axiom: &curve::Axiom,
+    options: &Options,
+    threads: usize,
+) -> Result<(curve::Word, derive::Derivation<Chunk>), Error> {
+    let uniforms = plan.uniforms(&options.set)?;
+    let mut cpu = Cpu::new(plan, &uniforms, threads)?;
+    let derivation = derive::derive(plan, axiom, &uniforms, options, &mut cpu)?;
+    Ok((derive::collect_curve(plan, &mut cpu, &derivation)?, derivation))
 }
 
 /// Derives the whole schedule on the CPU and reads the word; how it went, too.

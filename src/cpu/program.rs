@@ -13,6 +13,9 @@ use std::ops::Range;
 #[derive(Clone, Copy)]
 pub struct Input<'a> {
     pub records: &'a [u32],
+    /// Of curves the records with those beside the chunk, and which of them is the first of `records`.
+    pub window: &'a [u32],
+    pub first: usize,
     pub layout: Layout,
     /// The stage's environment: uniforms, what the host gives, constants, rule table.
     pub environment: &'a [u32],
@@ -34,11 +37,16 @@ impl<'a> Input<'a> {
         let words = self.layout.record_words;
         let row = |module: usize| (module * self.measured_words).min(self.measured.len());
         let measured = &self.measured[row(modules.start)..row(modules.end)];
-        Input { records: &self.records[modules.start * words..modules.end * words], measured, ..*self }
+        let records = &self.records[modules.start * words..modules.end * words];
+        Input { records, first: self.first + modules.start, measured, ..*self }
     }
     /// Modules.
     pub fn len(&self) -> usize {
         self.records.len() / self.layout.record_words
+    }
+    /// Where the module stands in the window that is so many places to the right of the first.
+    fn place(&self, offset: i32) -> usize {
+        (self.first as i64 + i64::from(offset)) as usize
     }
     /// No module at all.
     pub fn is_empty(&self) -> bool {
@@ -79,6 +87,14 @@ pub fn run(graph: &Graph, block: &Input, registers: &mut Registers) {
             Node::Field(_, at) => {
                 let column = block.records.iter().skip(at).step_by(words);
                 out.iter_mut().zip(column).for_each(|(o, w)| *o = *w);
+            }
+            Node::Near(_, offset, at) => {
+                let column = block.window.iter().skip(block.place(offset) * words + at).step_by(words);
+                out.iter_mut().zip(column).take(block.len()).for_each(|(o, w)| *o = *w);
+            }
+            Node::NearSymbol(offset) => {
+                let column = block.window.iter().skip(block.place(offset) * words).step_by(words);
+                out.iter_mut().zip(column).take(block.len()).for_each(|(o, w)| *o = *w & 0xffff);
             }
             Node::Measured(_, at) => {
                 let column = block.measured.iter().skip(at).step_by(block.measured_words);

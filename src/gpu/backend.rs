@@ -6,12 +6,13 @@ use super::kernels::{SharedKernels, StageKernels};
 use super::sweep::Sweep;
 use super::{Engine, Error};
 use crate::language::expr::Value;
-use crate::patch;
+use crate::{curve, patch};
 use crate::plan::Plan;
 use crate::plan::compare::{Trace, Traced, UNTRACED};
 use crate::plan::derive::{self, Backend, Modules, Options, Outcome, StageId};
 use crate::plan::given::Given;
-use crate::plan::layout::Layout;
+use crate::plan::edges;
+use crate::plan::layout::{END, HALO, Layout};
 use crate::plan::step::{Clock, Status};
 use std::collections::HashMap;
 
@@ -116,7 +117,7 @@ impl<'a> Gpu<'a> {
     /// A chunk with room for `len` modules; what it holds is anything.
     pub(super) fn take(&mut self, len: usize, halvings: u32) -> GpuChunk {
         let layout = self.layout();
-        let records = self.pool.take(&self.engine, "burgeon records", len as u64 * layout.record_bytes());
+        let records = self.pool.take(&self.engine, "burgeon records", layout.chunk_bytes(len as u64));
         let nets = self.pool.take(&self.engine, "burgeon nets", len as u64 * layout.net_bytes());
         GpuChunk { records, nets, len, halvings }
     }
@@ -157,7 +158,8 @@ impl Backend for Gpu<'_> {
         let engine = self.engine.clone();
         engine.checked("uploading the axiom", || {
             let chunk = self.take(len, 0);
-            engine.queue.write_buffer(chunk.records(), 0, bytemuck::cast_slice(&records));
+            let at = self.layout().halo_bytes();
+            engine.queue.write_buffer(chunk.records(), at, bytemuck::cast_slice(&records));
             engine.queue.write_buffer(chunk.nets(), 0, bytemuck::cast_slice(&nets));
             Ok(chunk)
         })
@@ -165,8 +167,8 @@ impl Backend for Gpu<'_> {
 
     fn read(&mut self, chunk: &GpuChunk) -> Result<Modules, Error> {
         let (layout, len) = (self.layout(), chunk.len as u64);
-        let records =
-            buffers::read(&self.engine, "reading records", chunk.records(), len * layout.record_bytes())?;
+        let (at, bytes) = (layout.halo_bytes(), len * layout.record_bytes());
+        let records = buffers::read_from(&self.engine, "reading records", chunk.records(), at, bytes)?;
         let nets = buffers::read(&self.engine, "reading nets", chunk.nets(), len * layout.net_bytes())?;
         Ok((records, nets))
     }
@@ -180,7 +182,9 @@ impl Backend for Gpu<'_> {
         let row = self.plan.tables.most_measured() as u64 * 4;
         let given = self.given.words.len() as u64 * 4;
         let by_attributes = (most - given.min(most)).checked_div(row).unwrap_or(u64::MAX);
-        (most / self.layout().net_bytes().max(self.layout().record_bytes())).min(by_attributes) as usize
+        let layout = self.layout();
+        let modules = most / layout.net_bytes().max(layout.record_bytes()) - 2 * layout.halo() as u64;
+        modules.min(by_attributes) as usize
     }
 
     fn split(&mut self, chunk: GpuChunk, most: usize) -> Result<Vec<GpuChunk>, Error> {
@@ -191,15 +195,15 @@ impl Backend for Gpu<'_> {
             let mut pieces = Vec::new();
             for start in (0..chunk.len).step_by(most) {
                 let piece = self.take(most.min(chunk.len - start), chunk.halvings);
-                for (from, to, bytes) in [
-                    (chunk.records(), piece.records(), layout.record_bytes()),
-                    (chunk.nets(), piece.nets(), layout.net_bytes()),
+                for (from, to, bytes, halo) in [
+                    (chunk.records(), piece.records(), layout.record_bytes(), layout.halo_bytes()),
+                    (chunk.nets(), piece.nets(), layout.net_bytes(), 0),
                 ] {
                     encoder.copy_buffer_to_buffer(
                         from,
-                        start as u64 * bytes,
+                        halo + start as u64 * bytes,
                         to,
-                        0,
+                        halo,
                         piece.len as u64 * bytes,
                     );
                 }
@@ -208,6 +212,49 @@ impl Backend for Gpu<'_> {
             engine.queue.submit([encoder.finish()]);
             self.give(chunk);
             Ok(pieces)
+        })
+    }
+
+    /// What stands beside a chunk is gathered first, since no buffer may be copied to itself.
+    fn join(&mut self, chunks: Vec<GpuChunk>, ring: bool) -> Result<Vec<GpuChunk>, Error> {
+        let engine = self.engine.clone();
+        engine.checked("joining chunks", || {
+            let layout = self.layout();
+            let (bytes, halo) = (layout.record_bytes(), HALO as u64);
+            let lengths: Vec<usize> = chunks.iter().map(|chunk| chunk.len).collect();
+            let beside = 2 * halo * bytes;
+            let gathered = self.pool.take(&engine, "burgeon edges", beside * chunks.len() as u64);
+            let mut beyond = vec![0u32; layout.record_words];
+            beyond[0] = END;
+            let mut encoder = self.encoder("burgeon edges");
+            let edges = edges::edges(&lengths, ring);
+            for (n, edges) in edges.iter().enumerate() {
+                let mut k = 0;
+                while k < edges.len() {
+                    let at = n as u64 * beside + k as u64 * bytes;
+                    let Some((chunk, module)) = edges[k] else {
+                        engine.queue.write_buffer(&gathered.buffer, at, bytemuck::cast_slice(&beyond));
+                        k += 1;
+                        continue;
+                    };
+                    // Records that follow each other there as they do here, in one piece.
+                    let follows = |run: &usize| edges.get(k + run) == Some(&Some((chunk, module + run)));
+                    let run = (1..edges.len() - k).take_while(follows).count() + 1;
+                    let from = layout.halo_bytes() + module as u64 * bytes;
+                    let records = chunks[chunk].records();
+                    encoder.copy_buffer_to_buffer(records, from, &gathered.buffer, at, run as u64 * bytes);
+                    k += run;
+                }
+            }
+            for (n, chunk) in chunks.iter().enumerate() {
+                let (at, half) = (n as u64 * beside, halo * bytes);
+                let end = layout.halo_bytes() + chunk.len as u64 * bytes;
+                encoder.copy_buffer_to_buffer(&gathered.buffer, at, chunk.records(), 0, half);
+                encoder.copy_buffer_to_buffer(&gathered.buffer, at + half, chunk.records(), end, half);
+            }
+            engine.queue.submit([encoder.finish()]);
+            self.pool.give(gathered);
+            Ok(chunks)
         })
     }
 
@@ -250,6 +297,19 @@ impl Traced for Gpu<'_> {
     fn set_traced(&mut self) {
         self.trace = Some(Trace::default());
     }
+}
+
+/// Derives the whole schedule of a curve system on the engine's device and reads the word; how it went, too.
+pub fn derive_curve(
+    engine: &Engine,
+    plan: &Plan,
+    axiom: &curve::Axiom,
+    options: &Options,
+) -> Result<(curve::Word, derive::Derivation<GpuChunk>), Error> {
+    let uniforms = plan.uniforms(&options.set)?;
+    let mut gpu = Gpu::new(engine, plan, &uniforms)?;
+    let derivation = derive::derive(plan, axiom, &uniforms, options, &mut gpu)?;
+    Ok((derive::collect_curve(plan, &mut gpu, &derivation)?, derivation))
 }
 
 /// Derives the whole schedule on the engine's device and reads the word; how it went, too.

@@ -183,7 +183,10 @@ impl StageKernels {
             measure: shaders.measure.as_ref().map(measure),
             match_modules: Kernel::of_pass(engine, &shaders.match_modules, &step::MATCH, &["match_modules"]),
             count: Kernel::of_pass(engine, &shaders.count, &step::COUNT, &["count"]),
-            emit: Kernel::of_pass(engine, &shaders.emit, &step::EMIT, &["emit"]),
+            emit: match plan.tables.layout.is_curve() {
+                true => Kernel::of_pass(engine, &shaders.emit, &step::EMIT_WORD, &["emit_word"]),
+                false => Kernel::of_pass(engine, &shaders.emit, &step::EMIT, &["emit"]),
+            },
             environment: buffer,
         })
     }

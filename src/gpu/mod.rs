@@ -13,7 +13,7 @@ mod scans;
 mod sweep;
 pub mod tessellate;
 
-pub use backend::{Gpu, GpuChunk, derive};
+pub use backend::{Gpu, GpuChunk, derive, derive_curve};
 pub use headless::{Headless, Requirement, adapters, adapters_in};
 pub use scans::{Bandwidth, Measure, ScanBuffers, Scans};
 

@@ -116,7 +116,7 @@ impl Gpu<'_> {
         let bound = [
             self.extent(slot),
             Binding::new(&kernels.environment, kernels.environment.size()),
-            Binding::new(chunk.records(), n * layout.record_bytes()),
+            Binding::new(chunk.records(), layout.chunk_bytes(n)),
             Binding::new(chunk.nets(), n * layout.net_bytes()),
             self.attributes(stage, n),
         ];
@@ -145,7 +145,7 @@ impl Gpu<'_> {
             self.measure(&mut pass, id, chunk, 0);
             let kernels = &self.stages[&id];
             let environment = Binding::new(&kernels.environment, kernels.environment.size());
-            let records = Binding::new(chunk.records(), n * self.layout().record_bytes());
+            let records = Binding::new(chunk.records(), self.layout().chunk_bytes(n));
             let rules = Binding::new(&columns.rules.buffer, n * 4);
             let counts = Binding::new(&columns.counts.buffer, n * 4);
             let sums = |b| Binding::new(b, (tiles + 1) * 4);
@@ -210,7 +210,7 @@ impl Gpu<'_> {
             });
             let kernels = &self.stages[&id];
             let status = Binding::new(&self.status, STATUS_BYTES);
-            let records = |c: &'_ GpuChunk| c.len as u64 * layout.record_bytes();
+            let records = |c: &'_ GpuChunk| layout.chunk_bytes(c.len as u64);
             let nets = |c: &'_ GpuChunk| c.len as u64 * layout.net_bytes();
             if let Some(Target { chunk: next, capacity, .. }) = next {
                 self.write_extent(1, extent(chunk.len, capacity));
@@ -230,7 +230,10 @@ impl Gpu<'_> {
                     Binding::new(next.nets(), nets(next)),
                     status,
                 ];
-                let group = kernels.emit.bind(&self.engine, &bound);
+                // Curves have no nets.
+                let curve = [0, 1, 2, 4, 5, 6, 7, 9].map(|n| bound[n]);
+                let bound = if layout.is_curve() { &curve[..] } else { &bound[..] };
+                let group = kernels.emit.bind(&self.engine, bound);
                 let invocations = tuning.emit_invocations(n, &layout);
                 kernels.emit.record(&mut pass, &group, &[kernels::groups(invocations, tuning.workgroup)]);
             }

@@ -91,15 +91,46 @@ pub struct Query {
     pub span: Span,
 }
 
-/// The axiom as the engine reads it. Only patch axioms are resolved in full; those of curve and
-/// mesh systems stay in [`System::source`].
+/// The axiom as the engine reads it. Those of patches and curves are resolved in full; meshes stay in
+/// [`System::source`].
 #[derive(Clone, Debug)]
 pub enum Axiom {
     /// No axiom was written.
     None,
     Patches(Vec<PatchStart>),
-    /// A curve's word or source, or meshes: see the syntax tree.
+    /// In the order of the word.
+    Curve(Vec<CurveStart>),
+    /// Meshes, or a word with branches: see the syntax tree.
     Other,
+}
+
+/// A part of a curve's axiom.
+#[derive(Clone, Debug)]
+pub enum CurveStart {
+    /// A module, written out; its arguments read uniforms at most.
+    Module(Module),
+    /// `P(_, true) = file "c.csv"`: a module for each point.
+    Points {
+        symbol: SymbolId,
+        /// One for each field; none where the point goes.
+        args: Vec<Option<Expr>>,
+        source: CurveSource,
+        /// How far the ring is turned: this point comes first.
+        shift: Option<Expr>,
+        span: Span,
+    },
+    /// The final word of an earlier system of the file.
+    System { name: String, shift: Option<Expr>, span: Span },
+}
+
+#[derive(Clone, Debug)]
+pub enum CurveSource {
+    /// All points of a file, or of the curve in it with this index.
+    File { path: String, index: Option<u32>, span: Span },
+    /// Vectors.
+    Inline(Vec<Value>),
+    /// The points of the final word of an earlier system.
+    System { name: String, span: Span },
 }
 
 /// `P(0) = file "teapot.bpt"`: each net of the source becomes one root, a module P(0).

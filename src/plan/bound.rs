@@ -56,12 +56,23 @@ impl Known {
 #[derive(Clone, Copy)]
 pub struct Module<'a> {
     pub record: &'a [u32],
+    /// The records around it, and where its own begins among them.
+    pub window: &'a [u32],
+    pub at: usize,
     pub environment: &'a [u32],
     pub given: &'a [u32],
     pub measured: &'a [u32],
     /// For each word of `measured` how far it may be off.
     pub spread: &'a [f32],
     pub clock: Clock,
+}
+
+impl Module<'_> {
+    /// A word of the record so many places to the right.
+    fn near(&self, offset: i32, word: usize) -> u32 {
+        let at = self.at as i64 + i64::from(offset) * self.record.len() as i64 + word as i64;
+        usize::try_from(at).ok().and_then(|at| self.window.get(at)).copied().unwrap_or(0)
+    }
 }
 
 /// Half a unit in the last place of 1.
@@ -75,6 +86,8 @@ pub fn evaluate(graph: &Graph, module: &Module) -> Vec<Known> {
         let value = match *node {
             Node::Literal(_, word) | Node::Held(word) => Known::Exact(word),
             Node::Field(_, at) => Known::Exact(word(module.record, at)),
+            Node::Near(_, offset, at) => Known::Exact(module.near(offset, at)),
+            Node::NearSymbol(offset) => Known::Exact(module.near(offset, 0) & 0xffff),
             Node::Uniform(_, at) => Known::Exact(word(module.environment, at)),
             Node::Measured(_, at) => {
                 let (word, radius) = (word(module.measured, at), module.spread.get(at).copied());

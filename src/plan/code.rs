@@ -1,7 +1,8 @@
 //! The rules' expressions as graphs, ready for either backend.
 
 use super::graph::{Constants, Graph, Names, NodeId};
-use super::tables::{Environment, MatchRule, Production, Stage, Symbol};
+use super::layout::Layout;
+use super::tables::{Environment, MatchRule, Near, Production, Stage, Symbol};
 use crate::language::expr::Expr;
 
 /// When a rule fires, and on which of its productions.
@@ -21,8 +22,8 @@ pub struct RuleCode {
 #[derive(Clone, Debug, Default)]
 pub struct ChildCode {
     pub graph: Graph,
-    /// For each cell: (node, word of the child's record).
-    pub args: [Vec<(NodeId, usize)>; 4],
+    /// For each cell: (node, word of the child's record). Of curves the path is among them.
+    pub args: Vec<Vec<(NodeId, usize)>>,
 }
 
 /// The code of a stage.
@@ -38,13 +39,14 @@ pub struct StageCode {
 
 impl StageCode {
     /// The code of a stage whose row of attributes is known.
-    pub fn new(stage: &Stage, symbols: &[Symbol], environment: &Environment) -> StageCode {
+    pub fn new(stage: &Stage, symbols: &[Symbol], environment: &Environment, layout: &Layout) -> StageCode {
         let base = environment.given.end(environment.queries.len());
         let mut constants = Constants { base, words: Vec::new() };
         let mut code = StageCode::default();
         for rule in &stage.rules {
-            let mut lower = Lower::new(stage, rule, symbols, environment, &mut constants);
-            let mut guards: Vec<NodeId> = rule.guards.iter().map(|g| lower.expr(g)[0]).collect();
+            let mut lower = Lower::new(stage, rule, symbols, environment, layout, &mut constants);
+            let mut guards: Vec<NodeId> = rule.context.iter().map(|near| lower.near(near)).collect();
+            guards.extend(rule.guards.iter().map(|g| lower.expr(g)[0]));
             let choice = lower.choice(rule).map(|(any, index)| {
                 guards.push(any);
                 index
@@ -55,11 +57,17 @@ impl StageCode {
         }
         for production in &stage.productions {
             let rule = &stage.rules[production.rule];
-            let mut lower = Lower::new(stage, rule, symbols, environment, &mut constants);
-            let args = std::array::from_fn(|c| match &production.cells[c] {
-                None => Vec::new(),
-                Some(s) => lower.args(&s.args, &symbols[s.symbol]),
-            });
+            let mut lower = Lower::new(stage, rule, symbols, environment, layout, &mut constants);
+            let mut args = Vec::with_capacity(production.cells.len());
+            for (slot, cell) in production.cells.iter().enumerate() {
+                let Some(cell) = cell else {
+                    args.push(Vec::new());
+                    continue;
+                };
+                let mut words = lower.path(production, slot as u32, layout);
+                words.extend(lower.args(&cell.args, &symbols[cell.symbol]));
+                args.push(words);
+            }
             code.children.push(ChildCode { graph: lower.graph, args });
         }
         let rules = code.rules.iter_mut().map(|r| &mut r.graph);
@@ -80,15 +88,22 @@ impl<'a> Lower<'a> {
         rule: &'a MatchRule,
         symbols: &'a [Symbol],
         environment: &'a Environment,
+        layout: &Layout,
         constants: &'a mut Constants,
     ) -> Self {
-        let fields = &symbols[rule.predecessor].words;
+        let own = symbols[rule.predecessor].words.iter().map(|&at| (0, at));
+        let fields = own.chain(rule.reads.iter().copied()).collect();
+        let path = match layout.is_curve() {
+            true => vec![1, 2],
+            false => vec![1, 2, 3],
+        };
         let mut lower = Lower {
             graph: Graph::default(),
             names: Names {
                 fields,
                 environment,
                 row: &stage.row,
+                path,
                 lets: Vec::new(),
                 site: rule.site,
                 constants,
@@ -101,6 +116,23 @@ impl<'a> Lower<'a> {
         lower
     }
 
+    /// Whether the symbol that a context asks for stands in its place.
+    fn near(&mut self, near: &Near) -> NodeId {
+        self.graph.near(near)
+    }
+
+    /// The words of a child's path, where curves have one: a module that replaces its predecessor keeps it.
+    fn path(&mut self, production: &Production, slot: u32, layout: &Layout) -> Vec<(NodeId, usize)> {
+        if !layout.is_curve() || layout.header_words < 3 {
+            return Vec::new();
+        }
+        let path = match production.count() {
+            1 => self.graph.path(),
+            _ => self.graph.child_path(slot),
+        };
+        path.into_iter().zip(1..).collect()
+    }
+
     fn expr(&mut self, e: &Expr) -> Vec<NodeId> {
         self.graph.lower(e, &mut self.names)
     }
@@ -111,7 +143,7 @@ impl<'a> Lower<'a> {
             return None;
         }
         let weights: Vec<NodeId> = rule.weights.iter().map(|w| self.expr(w)[0]).collect();
-        Some(self.graph.choice(&weights, rule.site))
+        Some(self.graph.choice(&weights, rule.site, &self.names.path))
     }
 
     /// (node, word of the record) of a module's arguments.

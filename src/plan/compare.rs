@@ -54,6 +54,8 @@ pub trait Replay: Traced {
         room: u64,
         trace: &Trace,
     ) -> Result<Outcome<Self::Chunk>, Self::Error>;
+    /// The records of a chunk with those beside it.
+    fn window(&self, chunk: &Self::Chunk) -> Vec<u32>;
     /// The environment of a stage.
     fn environment(&self, stage: StageId) -> Vec<u32>;
 }
@@ -208,6 +210,7 @@ impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
         let (stage, layout) = (id.of(plan), plan.tables.layout);
         let (records, nets) = self.left.read(chunk).map_err(PairError::Left)?;
         let environment = self.left.environment(id);
+        let window = self.left.window(chunk);
         let given = self.given.clone();
         let view = &environment[plan.tables.given.view()..];
         let row = stage.row.words;
@@ -230,7 +233,9 @@ impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
             }
             if rules[0] != rules[1] {
                 let (given, environment) = (given.words.as_slice(), environment.as_slice());
-                let module = Module { record, environment, given, measured, spread: &spread, clock };
+                let at = (layout.halo() + i) * layout.record_words;
+                let (spread, window) = (&spread[..], &window[..]);
+                let module = Module { record, window, at, environment, given, measured, spread, clock };
                 if !bound::possible_rules(stage, &module).contains(&rules[1]) {
                     let place = |_| format!("the rule of module {i}");
                     self.same("match_modules", &rules[..1], &rules[1..], place, |w| w.to_string())?;
@@ -246,7 +251,7 @@ impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
         &mut self,
         id: StageId,
         clock: Clock,
-        parents: &[u32],
+        (parents, window): (&[u32], &[u32]),
         left: &[u32],
         mut right: Vec<u32>,
     ) -> Vec<u32> {
@@ -263,6 +268,8 @@ impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
             let row = stage.row.words;
             let module = Module {
                 record: &parents[i * words..][..words],
+                window,
+                at: (plan.tables.layout.halo() + i) * words,
                 environment: &environment,
                 given: &given.words,
                 measured: trace.attributes.get(i * row..i * row + row).unwrap_or(&[]),
@@ -322,6 +329,13 @@ impl<L: Replay, R: Traced> Backend for Pair<'_, L, R> {
     fn split(&mut self, chunk: Self::Chunk, most: usize) -> Result<Vec<Self::Chunk>, Self::Error> {
         let left = self.left.split(chunk.0, most).map_err(PairError::Left)?;
         let right = self.right.split(chunk.1, most).map_err(PairError::Right)?;
+        Ok(left.into_iter().zip(right).collect())
+    }
+
+    fn join(&mut self, chunks: Vec<Self::Chunk>, ring: bool) -> Result<Vec<Self::Chunk>, Self::Error> {
+        let (left, right): (Vec<_>, Vec<_>) = chunks.into_iter().unzip();
+        let left = self.left.join(left, ring).map_err(PairError::Left)?;
+        let right = self.right.join(right, ring).map_err(PairError::Right)?;
         Ok(left.into_iter().zip(right).collect())
     }
 
@@ -431,7 +445,7 @@ fn origin(
         }
     };
     let production = stage.productions.get(rule)?;
-    let cell = (0..4).filter(|&c| production.cells[c].is_some()).nth(nth)?;
+    let cell = (0..production.cells.len()).filter(|&c| production.cells[c].is_some()).nth(nth)?;
     Some((parent, rule, cell))
 }
 
@@ -464,7 +478,8 @@ impl<L: Replay, R: Traced> Pair<'_, L, R> {
                     return Ok(Some((l, r)));
                 };
                 let parents = self.left.read(chunk).map_err(PairError::Left)?.0;
-                let agreed = self.within_bounds(id, clock, &parents, &left.0, right.0.clone());
+                let window = self.left.window(chunk);
+                let agreed = self.within_bounds(id, clock, (&parents, &window), &left.0, right.0.clone());
                 self.same_modules(pass, &left, &(agreed, right.1.clone()))?;
                 self.left.recycle(l);
                 l = self.left.upload(right.0, right.1).map_err(PairError::Left)?;

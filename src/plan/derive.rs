@@ -14,7 +14,8 @@ use super::step::Clock;
 use super::tables::Stage;
 use super::{Error, Plan};
 use crate::language::expr::Value;
-use crate::patch;
+use crate::language::system::{Kind, Topology};
+use crate::{curve, patch};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -39,6 +40,8 @@ pub trait Backend {
     fn most_modules(&self) -> usize;
     /// The chunk in pieces of at most `most` modules, in order.
     fn split(&mut self, chunk: Self::Chunk, most: usize) -> Result<Vec<Self::Chunk>, Self::Error>;
+    /// Gives chunks that follow each other the records that stand beside them: of a ring, or of a word that ends.
+    fn join(&mut self, chunks: Vec<Self::Chunk>, ring: bool) -> Result<Vec<Self::Chunk>, Self::Error>;
     /// The chunk is needed no more; what was recorded with it still runs.
     fn recycle(&mut self, chunk: Self::Chunk);
     /// Waits until everything is done.
@@ -52,6 +55,35 @@ pub trait Backend {
         chunk: &Self::Chunk,
         room: u64,
     ) -> Result<Outcome<Self::Chunk>, Self::Error>;
+}
+
+/// What a derivation starts from.
+pub trait Start {
+    /// Its modules as records and nets.
+    ///
+    /// # Errors
+    /// Where they do not fit the plan, or an argument has no value.
+    fn modules(&self, plan: &Plan, uniforms: &[Value]) -> Result<Modules, Error>;
+    /// Roots, each of which may be bound a value of its own.
+    fn roots(&self) -> usize;
+}
+
+impl Start for patch::Axiom {
+    fn modules(&self, plan: &Plan, uniforms: &[Value]) -> Result<Modules, Error> {
+        plan.axiom(self, uniforms)
+    }
+    fn roots(&self) -> usize {
+        self.roots.len()
+    }
+}
+
+impl Start for curve::Axiom {
+    fn modules(&self, plan: &Plan, uniforms: &[Value]) -> Result<Modules, Error> {
+        Ok((plan.curve_axiom(self, uniforms)?, Vec::new()))
+    }
+    fn roots(&self) -> usize {
+        self.len()
+    }
 }
 
 /// A stage of the plan's tables.
@@ -148,15 +180,15 @@ pub struct Derivation<C> {
 /// Runs the whole schedule on `backend`.
 pub fn derive<B: Backend>(
     plan: &Plan,
-    axiom: &patch::Axiom,
+    axiom: &dyn Start,
     uniforms: &[Value],
     options: &Options,
     backend: &mut B,
 ) -> Result<Derivation<B::Chunk>, B::Error> {
     let schedule = schedule::unroll(plan, uniforms)?;
-    let given = Given::new(&plan.system, axiom.roots.len(), &options.bind, options.view)?;
+    let given = Given::new(&plan.system, axiom.roots(), &options.bind, options.view)?;
     backend.bind(&given)?;
-    let (records, nets) = plan.axiom(axiom, uniforms)?;
+    let (records, nets) = axiom.modules(plan, uniforms)?;
     refuse_growth(plan, &records, &schedule, options)?;
     let layout = plan.tables.layout;
     let modules = (records.len() / layout.record_words) as u64;
@@ -194,7 +226,7 @@ fn most_steps(schedule: &[Derive], options: &Options) -> u64 {
 pub fn bounds(plan: &Plan, records: &[u32], schedule: &[Derive], most: u64) -> Vec<Bounds> {
     let mut axiom = vec![0u64; plan.tables.symbols.len()];
     for record in records.chunks_exact(plan.tables.layout.record_words) {
-        axiom[Header::read(record).symbol as usize] += 1;
+        axiom[(record[0] & 0xffff) as usize] += 1;
     }
     let sure = schedule.iter().take_while(|d| !d.until_terminal);
     let steps: Vec<usize> = sure
@@ -287,6 +319,18 @@ impl<B: Backend> Run<'_, B> {
         let mut fired = false;
         let mut next = Vec::new();
         let mut waiting = std::mem::take(&mut self.frontier);
+        if layout.is_curve() {
+            // What stands beside a chunk is copied to it before any is rewritten.
+            let mut pieces = Vec::with_capacity(waiting.len());
+            for chunk in waiting {
+                match self.backend.len(&chunk) > most {
+                    true => pieces.extend(self.backend.split(chunk, most)?),
+                    false => pieces.push(chunk),
+                }
+            }
+            let ring = self.plan.system.kind == Kind::Curve(Topology::Ring);
+            waiting = self.backend.join(pieces, ring)?;
+        }
         waiting.reverse();
         while let Some(chunk) = waiting.pop() {
             if self.options.stop.is_some_and(|s| s.load(Ordering::Relaxed)) {
@@ -355,6 +399,40 @@ pub fn collect<B: Backend>(
         }
     }
     Ok(word(plan, &layout, derivation.steps.len() as u32, &records, nets))
+}
+
+/// Reads all chunks of a curve's word.
+pub fn collect_curve<B: Backend>(
+    plan: &Plan,
+    backend: &mut B,
+    derivation: &Derivation<B::Chunk>,
+) -> Result<curve::Word, B::Error> {
+    let layout = plan.tables.layout;
+    let mut modules = Vec::new();
+    for chunk in &derivation.chunks {
+        let (records, _) = backend.read(chunk)?;
+        modules.extend(records.chunks_exact(layout.record_words).map(|record| {
+            let symbol = (record[0] & 0xffff) as usize;
+            let table = &plan.tables.symbols[symbol];
+            let params = table.fields.iter().zip(&table.words);
+            curve::Module {
+                symbol,
+                params: params.map(|(f, &at)| Value::from_words(&f.ty, &record[at..])).collect(),
+                path: if layout.header_words < 3 { 0 } else { u64::from(record[1]) << 32 | u64::from(record[2]) },
+            }
+        }));
+    }
+    let Kind::Curve(topology) = plan.system.kind else {
+        return Err(Error::Axiom(format!("{} is no curve system", plan.system.name)).into());
+    };
+    let symbols = plan.tables.symbols.iter();
+    Ok(curve::Word {
+        system: plan.system.name.clone(),
+        steps: derivation.steps.len() as u32,
+        topology,
+        symbols: symbols.map(|s| patch::Symbol { name: s.name.clone(), fields: s.fields.clone() }).collect(),
+        modules,
+    })
 }
 
 /// The word of these modules, in the order of the derivation tree.

@@ -278,7 +278,7 @@ impl Reads {
 }
 
 /// Every expression of a rule but those of its queries.
-fn of_rule(rule: &Rule, visit: &mut dyn FnMut(&Expr)) {
+pub(super) fn of_rule(rule: &Rule, visit: &mut dyn FnMut(&Expr)) {
     let own = rule.lets.iter().map(|l| &l.value).chain(&rule.tests).chain(&rule.condition);
     own.for_each(&mut *visit);
     for alternative in &rule.alternatives {

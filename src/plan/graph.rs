@@ -5,7 +5,7 @@
 //! right. So there is one place where a vector operation gets its order, and equal nodes are one.
 
 use super::measure::Row;
-use super::tables::Environment;
+use super::tables::{Environment, Near};
 use crate::language::expr::{Expr, ExprKind, Type, Value};
 use crate::language::ops::{self, Op};
 use std::collections::HashMap;
@@ -39,6 +39,10 @@ pub enum Node {
     Literal(Scalar, u32),
     /// A word of the predecessor's record.
     Field(Scalar, usize),
+    /// A word of the record so many places to the right.
+    Near(Scalar, i32, usize),
+    /// The symbol that stands there.
+    NearSymbol(i32),
     /// A word of the environment.
     Uniform(Scalar, usize),
     /// A word of the module's row of measured attributes.
@@ -76,8 +80,11 @@ pub struct Graph {
 
 /// Where the things that an expression names stand.
 pub struct Names<'a> {
-    /// For each field of the predecessor the word of the record where it begins.
-    pub fields: &'a [usize],
+    /// For each field of the predecessor, then for those of context modules: places to the right, and the word of the
+    /// record where it begins.
+    pub fields: Vec<(i32, usize)>,
+    /// The words of the record that say which module it is, for random numbers.
+    pub path: Vec<usize>,
     /// Where the environment holds uniforms and what the host gives.
     pub environment: &'a Environment,
     /// Where the attributes of nets stand.
@@ -166,11 +173,11 @@ impl Graph {
     /// What the node is.
     pub fn scalar(&self, id: NodeId) -> Scalar {
         match self.nodes[id] {
-            Node::Literal(ty, _) | Node::Field(ty, _) | Node::Uniform(ty, _) => ty,
+            Node::Literal(ty, _) | Node::Field(ty, _) | Node::Near(ty, ..) | Node::Uniform(ty, _) => ty,
             Node::Measured(ty, _) | Node::Given(ty, _) => ty,
             Node::Element { ty, .. } => ty,
             Node::Held(_) => Scalar::Float,
-            Node::Level | Node::Step | Node::RunStep | Node::Seed => Scalar::Int,
+            Node::NearSymbol(_) | Node::Level | Node::Step | Node::RunStep | Node::Seed => Scalar::Int,
             Node::Call(op, _) => Scalar::of(&op.row().result),
         }
     }
@@ -193,8 +200,12 @@ impl Graph {
                 value.words().into_iter().map(|w| self.push(Node::Literal(ty, w))).collect()
             }
             ExprKind::Binder(n) => {
-                let at = names.fields[*n];
-                (at..at + words).map(|w| self.push(Node::Field(ty, w))).collect()
+                let (offset, at) = names.fields[*n];
+                let node = |w| match offset {
+                    0 => Node::Field(ty, w),
+                    _ => Node::Near(ty, offset, w),
+                };
+                (at..at + words).map(|w| self.push(node(w))).collect()
             }
             ExprKind::Uniform(n) => {
                 let at = names.environment.uniforms[*n];
@@ -215,7 +226,7 @@ impl Graph {
                 self.expand(*op, &lowered)
             }
             ExprKind::Random { function, args, site } => {
-                let hash = self.draw(names.site, *site as u32);
+                let hash = self.draw(names.site, *site as u32, &names.path);
                 let args: Vec<NodeId> = args.iter().map(|a| self.lower(a, names)[0]).collect();
                 vec![self.random(function, hash, &args)]
             }
@@ -319,12 +330,32 @@ impl Graph {
         self.call(name, &types, args)
     }
 
+    /// Whether the symbol that a context asks for stands in its place.
+    pub fn near(&mut self, near: &Near) -> NodeId {
+        let found = self.push(Node::NearSymbol(near.offset));
+        let wanted = self.int(near.symbol);
+        self.ints("==", &[found, wanted])
+    }
+
+    /// The words of a curve module's path.
+    pub fn path(&mut self) -> [NodeId; 2] {
+        [1, 2].map(|word| self.push(Node::Field(Scalar::Int, word)))
+    }
+
+    /// Those of its child in this slot: 64 bits, since paths are as many as modules.
+    pub fn child_path(&mut self, slot: u32) -> [NodeId; 2] {
+        let [high, low] = self.path();
+        let slot = self.int(slot);
+        let high = self.ints("hash #", &[high, slot]);
+        [high, self.ints("hash #", &[low, high])]
+    }
+
     /// The hash behind one random number of a module: of the seed, the step of the whole run, the
     /// module's path (root and order key), the rule, and the call in it.
-    fn draw(&mut self, site: u32, call: u32) -> NodeId {
+    fn draw(&mut self, site: u32, call: u32, path: &[usize]) -> NodeId {
         let mut hash = self.push(Node::Seed);
         let step = self.push(Node::RunStep);
-        let path = [1, 2, 3].map(|word| self.push(Node::Field(Scalar::Int, word)));
+        let path: Vec<NodeId> = path.iter().map(|&word| self.push(Node::Field(Scalar::Int, word))).collect();
         let place = [self.int(site), self.int(call)];
         for word in [step].into_iter().chain(path).chain(place) {
             hash = self.ints("hash #", &[hash, word]);
@@ -363,7 +394,7 @@ impl Graph {
 
     /// The draw among alternatives: whether any weight is positive, and the index drawn. Weights
     /// count in 65,536ths, as integers, up to 32,767 over their number.
-    pub fn choice(&mut self, weights: &[NodeId], site: u32) -> (NodeId, NodeId) {
+    pub fn choice(&mut self, weights: &[NodeId], site: u32, path: &[usize]) -> (NodeId, NodeId) {
         let most = 32_767.0 / weights.len() as f32;
         let (zero, most) = (self.number(0.0), self.number(most));
         let unit = self.number(65_536.0);
@@ -378,7 +409,7 @@ impl Graph {
             ends.push(total);
         }
         // A site of its own, so that a call of `rand` in the rule does not move it.
-        let hash = self.draw(site, u32::MAX);
+        let hash = self.draw(site, u32::MAX, path);
         let drawn = self.ints("scale #", &[hash, total]);
         let mut index = self.int(weights.len() as u32 - 1);
         for (n, &end) in ends.iter().enumerate().rev().skip(1) {

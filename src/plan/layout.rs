@@ -12,6 +12,11 @@
 //! | 4, 5 | row i and column j of the net at its level |
 //! | 6 … | parameters in order of declaration, each in [`Type::words`](crate::language::Type::words) words |
 //!
+//! A module of a curve has no net. Its record holds the symbol in the low half of word 0, then, where the system
+//! draws random numbers, its path (high and low word), then its parameters. A chunk has [`HALO`] records
+//! of its neighbours on either side, so that contexts read across its ends; beyond the end of an open word the symbol is
+//! [`END`].
+//!
 //! **Order key**: the children taken since the root, left-aligned: two bits for a 2×2 block
 //! (row, column), one for 1×2 and 2×1. The modules of a word are leaves of one derivation tree, so
 //! sorting by (root, key) is its depth-first order, and (root, key) names a module for ever.
@@ -22,32 +27,74 @@ use crate::patch::Cell;
 /// Halvings along u, and along v, that an address can hold.
 pub const MAX_HALVINGS: u8 = 31;
 
-/// Words of a record before its parameters.
+/// Words of the record of a patch module before its parameters.
 pub const HEADER_WORDS: usize = 6;
+
+/// Modules that a chunk of a curve's word holds beside its own on either side: as many as a context is deep.
+pub const HALO: usize = 8;
+
+/// The symbol that stands beyond the ends of an open word.
+pub const END: u32 = 0xffff;
 
 /// Sizes of one module in memory, the same for all symbols of a system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Layout {
     /// 4-byte words a record: a multiple of 4.
     pub record_words: usize,
-    /// Degrees along u and v, 1..=8.
+    /// Words before the parameters.
+    pub header_words: usize,
+    /// Degrees along u and v, 1..=8; none of a curve's modules, which have no net.
     pub degree: [u8; 2],
 }
 
 impl Layout {
-    /// The layout for symbols with at most `param_words` words of parameters.
+    /// The layout of patch modules with at most `param_words` words of parameters.
     pub fn new(param_words: usize, degree: [u8; 2]) -> Layout {
-        Layout { record_words: (HEADER_WORDS + param_words).next_multiple_of(4), degree }
+        Layout {
+            record_words: (HEADER_WORDS + param_words).next_multiple_of(4),
+            header_words: HEADER_WORDS,
+            degree,
+        }
+    }
+
+    /// The layout of a curve's modules, which have a path only where random numbers hang on it: so points of up
+    /// to three coordinates take 16 bytes.
+    pub fn of_curve(param_words: usize, paths: bool) -> Layout {
+        let header_words = if paths { 3 } else { 1 };
+        Layout { record_words: (header_words + param_words).next_multiple_of(4), header_words, degree: [0; 2] }
+    }
+
+    /// Whether the modules are points of a curve, with neighbours and without nets.
+    pub fn is_curve(&self) -> bool {
+        self.degree == [0; 2]
+    }
+
+    /// Modules beside a chunk's own, on either side.
+    pub fn halo(&self) -> usize {
+        if self.is_curve() { HALO } else { 0 }
     }
 
     /// Control points a net: rows × columns.
     pub fn net_points(&self) -> usize {
+        if self.is_curve() {
+            return 0;
+        }
         (self.degree[0] as usize + 1) * (self.degree[1] as usize + 1)
     }
 
     /// Bytes of a record.
     pub fn record_bytes(&self) -> u64 {
         self.record_words as u64 * 4
+    }
+
+    /// Bytes of the records of a chunk, those beside it among them.
+    pub fn chunk_bytes(&self, modules: u64) -> u64 {
+        (modules + 2 * self.halo() as u64) * self.record_bytes()
+    }
+
+    /// Bytes in a chunk before its own records.
+    pub fn halo_bytes(&self) -> u64 {
+        self.halo() as u64 * self.record_bytes()
     }
 
     /// Bytes of a net.

@@ -6,6 +6,7 @@ pub mod bound;
 pub mod code;
 pub mod compare;
 pub mod derive;
+pub mod edges;
 pub mod given;
 pub mod graph;
 pub mod holes;
@@ -21,7 +22,7 @@ pub mod turns;
 use crate::language::expr::Value;
 use crate::language::system::{Kind, System, UniformKind};
 use crate::language::{Type, eval};
-use crate::patch;
+use crate::{curve, patch};
 use std::sync::Arc;
 
 pub use derive::{Backend, Derivation, Options, Progress};
@@ -157,6 +158,10 @@ impl Plan {
     /// ([`patch::Net::validate`]); [`Error::Value`] for an argument without a value.
     pub fn axiom(&self, axiom: &patch::Axiom, uniforms: &[Value]) -> Result<derive::Modules, Error> {
         let layout = &self.tables.layout;
+        if layout.is_curve() {
+            let message = format!("{} is a curve system, and begins with points, not nets", self.system.name);
+            return Err(Error::Axiom(message));
+        }
         let mut records = Vec::with_capacity(axiom.roots.len() * layout.record_words);
         let mut nets = Vec::with_capacity(axiom.roots.len() * layout.net_points());
         for (root, start) in axiom.roots.iter().enumerate() {
@@ -186,6 +191,51 @@ impl Plan {
             nets.extend(&start.net.points);
         }
         Ok((records, nets))
+    }
+}
+
+impl Plan {
+    /// The word of a curve's axiom as records.
+    ///
+    /// # Errors
+    /// [`Error::Value`] for an argument without a value, or a float that is not finite; [`Error::Axiom`] for a part
+    /// without a module.
+    pub fn curve_axiom(&self, axiom: &curve::Axiom, uniforms: &[Value]) -> Result<Vec<u32>, Error> {
+        let layout = &self.tables.layout;
+        if !layout.is_curve() {
+            let message = format!("{} is a patch system, and begins with nets, not points", self.system.name);
+            return Err(Error::Axiom(message));
+        }
+        if axiom.is_empty() {
+            return Err(Error::Axiom(format!("the axiom of {} has no module", self.system.name)));
+        }
+        let mut records = Vec::with_capacity(axiom.len() * layout.record_words);
+        for part in &axiom.parts {
+            let n = part.modules.len();
+            let shift = match &part.shift {
+                None => 0,
+                Some(e) => match eval::eval(e, uniforms).map_err(|e| Error::Value(format!("shift: {e}")))? {
+                    Value::Int(by) if n > 0 => (by as i64).rem_euclid(n as i64) as usize,
+                    _ => 0,
+                },
+            };
+            for root in part.modules.iter().cycle().skip(shift).take(n) {
+                let mut record = vec![0u32; layout.record_words];
+                record[0] = root.symbol as u32;
+                if layout.header_words > 2 {
+                    record[2] = (records.len() / layout.record_words) as u32;
+                }
+                let symbol = &self.tables.symbols[root.symbol];
+                for (arg, &at) in root.args.iter().zip(&symbol.words) {
+                    let value = eval::eval(arg, uniforms)
+                        .map_err(|e| Error::Value(format!("axiom, argument of {}: {e}", symbol.name)))?;
+                    let words = value.words();
+                    record[at..at + words.len()].copy_from_slice(&words);
+                }
+                records.extend(record);
+            }
+        }
+        Ok(records)
     }
 }
 

@@ -76,7 +76,7 @@ impl Outcomes {
                 }
                 // Nothing behind it is ever tried; one that may leave the module unchanged has the
                 // same count either way. Weights may all be 0, and then it does not match.
-                if rule.guards.is_empty() && rule.weights.is_empty() {
+                if rule.context.is_empty() && rule.guards.is_empty() && rule.weights.is_empty() {
                     return list;
                 }
             }

@@ -10,6 +10,7 @@
 //! count           how many modules come of it                   rules → counts
 //! scan            where the first of them goes                  counts → offsets
 //! emit            children: symbols, parameters, addresses, nets  → records, nets
+//! emit_word       the same of curves, whose modules have no nets    → records
 //! compact         which modules no rule can ever fire on again  rules → retired
 //! retire          these, copied once to where they stay         → finished records, nets
 //! ```
@@ -84,6 +85,12 @@ pub const EMIT: Pass = Pass {
     reads: &[Extent, Environment, Records, Nets, Rules, Offsets, Attributes],
     writes: &[NextRecords, NextNets, Status],
 };
+/// The children of a curve's modules, which have no nets and are never retired.
+pub const EMIT_WORD: Pass = Pass {
+    name: "emit_word",
+    reads: &[Extent, Environment, Records, Rules, Offsets, Attributes],
+    writes: &[NextRecords, Status],
+};
 /// Which modules are retired.
 pub const COMPACT: Pass = Pass { name: "compact", reads: &[Extent, Rules], writes: &[Retired, Sums] };
 /// The retired modules, copied to where they stay.
@@ -93,8 +100,8 @@ pub const RETIRE: Pass = Pass {
     writes: &[FinishedRecords, FinishedNets, Status],
 };
 
-/// All passes, in the order in which they run.
-pub const PASSES: [Pass; 7] = [MEASURE, MATCH, COUNT, SCAN, EMIT, COMPACT, RETIRE];
+/// All passes, in the order in which they run; of a curve `emit_word` takes the place of `emit`.
+pub const PASSES: [Pass; 8] = [MEASURE, MATCH, COUNT, SCAN, EMIT, EMIT_WORD, COMPACT, RETIRE];
 
 /// What the rules may know of the time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]

@@ -4,7 +4,8 @@
 use crate::language::Span;
 use crate::language::expr::{Expr, ExprKind};
 
-use crate::language::system::{Kind, Rule, Step, StepKind, Successor, System};
+use crate::language::syntax::Item;
+use crate::language::system::{Kind, Rule, Step, StepKind, Successor, System, Topology};
 
 /// A construct that this version checks but does not derive.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -21,42 +22,58 @@ impl Unsupported {
     }
 }
 
-/// The degree of a patch system that this version derives.
-pub fn degree(system: &System) -> Result<[u8; 2], Unsupported> {
+/// Whether this version derives systems of this kind with these steps.
+pub fn system(system: &System) -> Result<(), Unsupported> {
     let span = system.source.kind_span;
-    let degree = match system.kind {
-        Kind::Curve(_) => return Err(Unsupported::new("curve systems", span)),
+    match system.kind {
+        Kind::Curve(Topology::Tree) => return Err(Unsupported::new("words with branches", span)),
         Kind::Mesh => return Err(Unsupported::new("mesh systems", span)),
-        Kind::Patch { degree, .. } => degree,
-    };
-    steps(&system.run)?;
-    Ok(degree)
+        Kind::Curve(_) => {
+            let ignore = |item: &Item| matches!(item, Item::Ignore(..));
+            if system.source.items.iter().any(ignore) {
+                return Err(Unsupported::new("`ignore`", span));
+            }
+        }
+        Kind::Patch { .. } => {}
+    }
+    let kind = if matches!(system.kind, Kind::Curve(_)) { "curve" } else { "patch" };
+    steps(&system.run, kind)
 }
 
-fn steps(run: &[Step]) -> Result<(), Unsupported> {
+fn steps(run: &[Step], kind: &str) -> Result<(), Unsupported> {
     for step in run {
         match &step.kind {
             StepKind::Derive { .. } => {}
-            StepKind::Repeat { body, .. } | StepKind::If { body, .. } => steps(body)?,
+            StepKind::Repeat { body, .. } | StepKind::If { body, .. } => steps(body, kind)?,
             StepKind::Other(name) => {
-                return Err(Unsupported::new(format!("`{name}` in a patch system"), step.span));
+                return Err(Unsupported::new(format!("`{name}` in a {kind} system"), step.span));
             }
         }
     }
     Ok(())
 }
 
+/// The most modules of a successor.
+pub const MOST_CELLS: usize = 255;
+
 /// Whether every part of the rule is derived.
-pub fn rule(rule: &Rule) -> Result<(), Unsupported> {
-    if let Some(context) = rule.left.as_ref().or(rule.right.as_ref()) {
+pub fn rule(rule: &Rule, kind: Kind) -> Result<(), Unsupported> {
+    let curve = matches!(kind, Kind::Curve(_));
+    if let Some(context) = rule.left.as_ref().or(rule.right.as_ref()).filter(|_| !curve) {
         return Err(Unsupported::new("contexts in patch systems", context.span));
     }
     if rule.strict.len() != 1 {
-        return Err(Unsupported::new("several strict predecessors in patch systems", rule.span));
+        return Err(Unsupported::new("several strict predecessors", rule.span));
     }
     for alternative in &rule.alternatives {
-        if let Successor::Modules(_) = alternative.successor {
-            return Err(Unsupported::new("brackets in patch systems", alternative.span));
+        if let Successor::Modules(list) = &alternative.successor {
+            if !curve {
+                return Err(Unsupported::new("brackets in patch systems", alternative.span));
+            }
+            if list.len() > MOST_CELLS {
+                let what = format!("a successor of more than {MOST_CELLS} modules");
+                return Err(Unsupported::new(what, alternative.span));
+            }
         }
         alternative.weight.iter().try_for_each(expr)?;
         modules(&alternative.successor, &mut |m| m.args.iter().try_for_each(expr))?;

@@ -7,12 +7,12 @@
 
 use super::code::StageCode;
 use super::given::Places;
-use super::layout::{HEADER_WORDS, Layout};
+use super::layout::{END, Layout};
 use super::measure::Row;
 use super::supported::{self, Unsupported};
 use crate::language::Span;
 use crate::language::expr::{Expr, ExprKind, Type};
-use crate::language::system::{self, BinderPlace, Field, Rule, System};
+use crate::language::system::{self, BinderPlace, Field, Kind, Rule, System, Topology};
 use std::ops::Range;
 
 /// A symbol of the tables: those of the system first, then the hidden ones of nested blocks.
@@ -43,10 +43,24 @@ pub struct Successor {
     pub args: Vec<Expr>,
 }
 
+/// A module that a context asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Near {
+    /// Places to the right of the predecessor; to the left below 0.
+    pub offset: i32,
+    /// The symbol that must stand there, or [`END`](super::layout::END).
+    pub symbol: u32,
+}
+
 /// When one of its productions is drawn.
 #[derive(Clone, Debug)]
 pub struct MatchRule {
     pub predecessor: usize,
+    /// What stands around it. Nothing is asked for where it is sure.
+    pub context: Vec<Near>,
+    /// Fields of context modules that its expressions read, (offset, word of the record): the binders behind those of
+    /// the predecessor's own fields.
+    pub reads: Vec<(i32, usize)>,
     /// Values that the expressions below and the productions' arguments may read, in order.
     pub lets: Vec<Expr>,
     /// All must hold.
@@ -68,8 +82,8 @@ pub struct Production {
     pub predecessor: usize,
     /// Which directions are halved: bit 0 u, bit 1 v. 0 with one live cell is a relabelling.
     pub halves: u32,
-    /// By 2·(half of u) + (half of v); what is `None` is erased.
-    pub cells: [Option<Successor>; 4],
+    /// Of patches four, by 2·(half of u) + (half of v); what is `None` is erased. Of curves the modules in order.
+    pub cells: Vec<Option<Successor>>,
     pub span: Span,
 }
 
@@ -80,12 +94,14 @@ impl Production {
     }
     /// Keeps the net and the symbol: then unchanged parameters mean that nothing fired.
     pub fn relabels_itself(&self) -> bool {
-        self.halves == 0 && self.cells[0].as_ref().is_some_and(|c| c.symbol == self.predecessor)
+        let one = self.halves == 0 && self.count() == 1;
+        one && self.cells[0].as_ref().is_some_and(|c| c.symbol == self.predecessor)
     }
-    /// Its word in the environment buffer: bits 0–1 `halves`, 4–7 the live cells, 8–10 their number.
+    /// Its word in the environment buffer: bits 0–1 `halves`, 4–7 the live cells of a patch, 8–15 their number.
     pub fn word(&self) -> u32 {
-        let live = (0..4).filter(|&c| self.cells[c].is_some()).fold(0, |m, c| m | 1 << c);
-        rule_word(self.halves, live)
+        let live = self.cells.iter().take(4).enumerate().filter(|(_, cell)| cell.is_some());
+        let live = live.fold(0, |m, (c, _)| m | 1 << c);
+        self.halves | live << 4 | self.count() << 8
     }
 }
 
@@ -108,6 +124,8 @@ pub struct Stage {
     pub closed: Option<u32>,
     /// Holds the rules as written, not what nested blocks left.
     pub first: bool,
+    /// Modules have neighbours, so none is ever retired.
+    pub curve: bool,
     /// The attributes of nets that its rules read.
     pub row: Row,
     /// The rules' expressions as graphs; made when all symbols are known.
@@ -115,7 +133,7 @@ pub struct Stage {
 }
 
 impl Stage {
-    fn new(rules: Vec<(MatchRule, Vec<Production>)>, first: bool) -> Stage {
+    fn new(rules: Vec<(MatchRule, Vec<Production>)>, first: bool, curve: bool) -> Stage {
         let (rules, productions): (Vec<MatchRule>, Vec<Vec<Production>>) = rules.into_iter().unzip();
         let mut stage = Stage {
             rules,
@@ -124,6 +142,7 @@ impl Stage {
             retires: Vec::new(),
             closed: None,
             first,
+            curve,
             row: Row::default(),
             code: StageCode::default(),
         };
@@ -136,7 +155,7 @@ impl Stage {
     }
 
     /// What depends on the symbols of all rule sets.
-    fn complete(&mut self, symbols: &[Symbol], places: &Environment) {
+    fn complete(&mut self, symbols: &[Symbol], places: &Environment, layout: &Layout) {
         self.by_symbol = vec![Vec::new(); symbols.len()];
         for (id, rule) in self.rules.iter().enumerate() {
             self.by_symbol[rule.predecessor].push(id);
@@ -144,11 +163,11 @@ impl Stage {
         self.retires = self
             .by_symbol
             .iter()
-            .map(|ids| self.first && !ids.iter().any(|id| self.changes_by_itself(&self.rules[*id])))
+            .map(|ids| self.first && !self.curve && !ids.iter().any(|id| self.changes_by_itself(&self.rules[*id])))
             .collect();
         self.closed = closed_growth(self, symbols);
         self.row = Row::of_stage(self);
-        self.code = StageCode::new(self, symbols, places);
+        self.code = StageCode::new(self, symbols, places, layout);
     }
 
     /// Whether the rule may fire later on a module on which it does not fire now.
@@ -174,7 +193,7 @@ impl Stage {
     /// The rule id of a module whose symbol has no rules here: retired, but for the stages that
     /// only split pending modules.
     pub fn without_rules(&self) -> u32 {
-        if self.first { self.retired() } else { self.keep() }
+        if self.first && !self.curve { self.retired() } else { self.keep() }
     }
     /// The rule table: a word for each production, then keep and retired.
     pub fn rule_words(&self) -> Vec<u32> {
@@ -193,7 +212,7 @@ impl Stage {
     /// The rule that fires on every module of this symbol, if the symbol alone decides.
     pub fn unconditional(&self, symbol: usize) -> Option<usize> {
         let rule = &self.rules[*self.by_symbol[symbol].first()?];
-        let sure = rule.guards.is_empty() && rule.weights.is_empty();
+        let sure = rule.context.is_empty() && rule.guards.is_empty() && rule.weights.is_empty();
         let first = rule.productions.start;
         (sure && !self.productions[first].relabels_itself()).then_some(first)
     }
@@ -237,10 +256,15 @@ pub struct Environment {
 }
 
 impl Tables {
-    /// Builds the tables of a patch system, or names what this version does not derive.
+    /// Builds the tables of a system, or names what this version does not derive.
     pub fn new(system: &System) -> Result<Tables, Unsupported> {
-        let degree = supported::degree(system)?;
-        let mut builder = Builder { system, symbols: Vec::new(), pending: Vec::new() };
+        supported::system(system)?;
+        let param_words = system.symbols.iter().map(|s| s.fields.iter().map(|f| f.ty.words()).sum());
+        let layout = match system.kind {
+            Kind::Patch { degree, .. } => Layout::new(0, degree),
+            _ => Layout::of_curve(param_words.max().unwrap_or(0), draws(system)),
+        };
+        let mut builder = Builder { system, layout, symbols: Vec::new(), pending: Vec::new() };
         for s in &system.symbols {
             builder.add_symbol(s.name.clone(), s.fields.clone(), false);
         }
@@ -256,9 +280,13 @@ impl Tables {
         let param_words = symbols.iter().map(words_of).max().unwrap_or(0);
         let places = environment(system);
         for stage in rule_sets.iter_mut().flat_map(|set| &mut set.stages) {
-            stage.complete(&symbols, &places);
+            stage.complete(&symbols, &places, &layout);
         }
-        let layout = Layout::new(param_words, degree);
+        // What nested blocks carry along takes room, too.
+        let layout = match system.kind {
+            Kind::Patch { degree, .. } => Layout::new(param_words, degree),
+            _ => layout,
+        };
         Ok(Tables { layout, symbols, given: places.given, rule_sets })
     }
 
@@ -333,15 +361,27 @@ struct Pending {
     block: system::Block,
 }
 
+/// Whether rules draw random numbers.
+fn draws(system: &System) -> bool {
+    let mut found = false;
+    for rule in system.groups.iter().flat_map(|group| &group.rules) {
+        found |= rule.alternatives.len() > 1;
+        super::given::of_rule(rule, &mut |e| e.walk(&mut |e| found |= matches!(e.kind, ExprKind::Random { .. })));
+    }
+    found
+}
+
 struct Builder<'a> {
     system: &'a System,
+    /// Where parameters begin.
+    layout: Layout,
     symbols: Vec<Symbol>,
     pending: Vec<Pending>,
 }
 
 impl Builder<'_> {
     fn add_symbol(&mut self, name: String, fields: Vec<Field>, hidden: bool) -> usize {
-        let mut at = HEADER_WORDS;
+        let mut at = self.layout.header_words;
         let words = fields
             .iter()
             .map(|f| {
@@ -357,37 +397,41 @@ impl Builder<'_> {
         let mut rules = Vec::new();
         for &g in &groups {
             for rule in &self.system.groups[g].rules {
-                supported::rule(rule)?;
+                supported::rule(rule, self.system.kind)?;
                 rules.push(self.rule(rule)?);
             }
         }
-        let mut stages = vec![Stage::new(rules, true)];
+        let curve = self.layout.is_curve();
+        let mut stages = vec![Stage::new(rules, true, curve)];
         while !self.pending.is_empty() {
             let waiting = std::mem::take(&mut self.pending);
-            stages.push(Stage::new(waiting.into_iter().map(|p| self.split_pending(p)).collect(), false));
+            let rules = waiting.into_iter().map(|p| self.split_pending(p)).collect();
+            stages.push(Stage::new(rules, false, curve));
         }
         Ok(RuleSet { groups, stages })
     }
 
     fn rule(&mut self, rule: &Rule) -> Result<(MatchRule, Vec<Production>), Unsupported> {
         let predecessor = rule.strict[0];
-        let resolve = |e: &Expr| by_field(e, rule, self.system);
+        let (context, reads, places) = self.context(rule);
+        let resolve = |e: &Expr| by_field(e, rule, self.system, &places);
 
         let mut productions = Vec::new();
         for alternative in &rule.alternatives {
             let (halves, cells) = match &alternative.successor {
-                system::Successor::Erase => (0, Default::default()),
-                system::Successor::Relabel(m) => (0, [Some(successor(m, &resolve)), None, None, None]),
+                system::Successor::Erase => (0, vec![None; 4]),
+                system::Successor::Relabel(m) => (0, vec![Some(successor(m, &resolve)), None, None, None]),
                 system::Successor::Split(b) => self.block(predecessor, b, &resolve),
-                system::Successor::Modules(_) => {
-                    let what = "a successor of several modules without a block";
-                    return Err(Unsupported::new(what, alternative.span));
+                system::Successor::Modules(list) => {
+                    (0, list.iter().map(|m| Some(successor(m, &resolve))).collect())
                 }
             };
             productions.push(Production { rule: 0, predecessor, halves, cells, span: rule.span });
         }
         let matching = MatchRule {
             predecessor,
+            context,
+            reads,
             lets: rule.lets.iter().map(|l| resolve(&l.value)).collect(),
             guards: rule.tests.iter().chain(&rule.condition).map(resolve).collect(),
             weights: rule.alternatives.iter().filter_map(|a| a.weight.as_ref()).map(resolve).collect(),
@@ -398,6 +442,49 @@ impl Builder<'_> {
         Ok((matching, productions))
     }
 
+    /// What a rule's contexts ask for, the fields of theirs that are bound, and for each of its binders which of
+    /// these it is.
+    fn context(&self, rule: &Rule) -> (Vec<Near>, Vec<(i32, usize)>, Vec<Option<usize>>) {
+        let left = |module: usize| {
+            let depth = rule.left.as_ref().map_or(0, |c| c.symbols.len());
+            module as i32 - depth as i32
+        };
+        let right = |module: usize| rule.strict.len() as i32 + module as i32;
+        let mut context = Vec::new();
+        if let Some(c) = &rule.left {
+            let near = |(n, &symbol): (usize, &usize)| Near { offset: left(n), symbol: symbol as u32 };
+            context.extend(c.symbols.iter().enumerate().map(near));
+            context.extend(c.end.then(|| Near { offset: left(0) - 1, symbol: END }));
+        }
+        if let Some(c) = &rule.right {
+            let near = |(n, &symbol): (usize, &usize)| Near { offset: right(n), symbol: symbol as u32 };
+            context.extend(c.symbols.iter().enumerate().map(near));
+            context.extend(c.end.then(|| Near { offset: right(c.symbols.len()), symbol: END }));
+        }
+        // In a ring of one symbol every module has that one around it.
+        if self.system.kind == Kind::Curve(Topology::Ring) && self.symbols.len() == 1 {
+            context.retain(|near| near.symbol == END);
+        }
+        let mut reads = Vec::new();
+        let own = self.symbols[rule.strict[0]].fields.len();
+        let mut place = |offset: i32, symbol: usize, field: usize| {
+            reads.push((offset, self.symbols[symbol].words[field]));
+            Some(own + reads.len() - 1)
+        };
+        let symbol_of = |c: &Option<system::Context>, module: usize| c.as_ref().map(|c| c.symbols[module]);
+        let places = rule.binders.iter().map(|binder| match binder.place {
+            BinderPlace::Left { module, field } => {
+                place(left(module), symbol_of(&rule.left, module)?, field)
+            }
+            BinderPlace::Right { module, field } => {
+                place(right(module), symbol_of(&rule.right, module)?, field)
+            }
+            _ => None,
+        });
+        let places = places.collect();
+        (context, reads, places)
+    }
+
     /// The cells of a block. A block inside it becomes a pending module with the predecessor's
     /// parameters, since its expressions read these; what they read besides, and a pending module
     /// has not (attributes, lets, random numbers), is worked out now and carried along.
@@ -406,9 +493,9 @@ impl Builder<'_> {
         predecessor: usize,
         block: &system::Block,
         resolve: &dyn Fn(&Expr) -> Expr,
-    ) -> (u32, [Option<Successor>; 4]) {
+    ) -> (u32, Vec<Option<Successor>>) {
         let halves = (block.rows == 2) as u32 | ((block.columns == 2) as u32) << 1;
-        let mut cells: [Option<Successor>; 4] = Default::default();
+        let mut cells: Vec<Option<Successor>> = vec![None; 4];
         for (n, cell) in block.cells.iter().enumerate() {
             let (row, column) = (n / block.columns, n % block.columns);
             cells[2 * row + column] = match cell {
@@ -437,6 +524,8 @@ impl Builder<'_> {
         let (halves, cells) = self.block(symbol, &block, &|e| e.clone());
         let rule = MatchRule {
             predecessor: symbol,
+            context: Vec::new(),
+            reads: Vec::new(),
             lets: Vec::new(),
             guards: Vec::new(),
             weights: Vec::new(),
@@ -487,7 +576,8 @@ fn field(n: usize, ty: &Type, span: Span) -> Expr {
     Expr { ty: ty.clone(), kind: ExprKind::Binder(n), span }
 }
 
-fn by_field(e: &Expr, rule: &Rule, system: &System) -> Expr {
+/// Binders as the fields that they stand for: `places` says which of those behind the predecessor's own.
+fn by_field(e: &Expr, rule: &Rule, system: &System, places: &[Option<usize>]) -> Expr {
     map_expr(e, &|e| match e.kind {
         ExprKind::Binder(b) => match rule.binders[b].place {
             BinderPlace::Strict { field: f, .. } => Some(field(f, &e.ty, e.span)),
@@ -501,8 +591,11 @@ fn by_field(e: &Expr, rule: &Rule, system: &System) -> Expr {
                     None => Expr { ty: e.ty.clone(), kind: free, span: e.span },
                 })
             }
-            // `supported::rule` has refused contexts and tags.
-            _ => None,
+            BinderPlace::Left { .. } | BinderPlace::Right { .. } => {
+                places[b].map(|place| field(place, &e.ty, e.span))
+            }
+            // Only meshes have tags.
+            BinderPlace::Tag { .. } => None,
         },
         _ => None,
     })

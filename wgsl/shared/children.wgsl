@@ -1,5 +1,7 @@
 // Which children a module has and where they go: shared by the mappings of emit.
 
+import cell;
+
 // What is done with a module.
 struct Emission {
   rule: u32,
@@ -26,7 +28,7 @@ fn emission(i: u32, m: Record) -> Emission {
   let word = rule_word(e.rule);
   e.halves = word & 3u;
   e.live = (word >> 4u) & 15u;
-  let end = e.first + ((word >> 8u) & 7u);
+  let end = e.first + ((word >> 8u) & 255u);
   e.fits = true;
   if end > extent.capacity {
     atomicMax(&status.needed, end);

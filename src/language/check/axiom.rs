@@ -1,4 +1,4 @@
-//! Axioms. Those of patch systems are resolved in full, the others only checked.
+//! Axioms. Those of meshes are only checked.
 
 use super::scope::{Scope, Where};
 use super::typing::as_literal;
@@ -6,7 +6,14 @@ use super::{Checker, code};
 use crate::language::diagnostic::Diagnostic;
 use crate::language::expr::{Expr, Type, Value};
 use crate::language::syntax::{self, AxiomKind, Element, Item, ModuleUse, Source, SourceKind, Span, Start};
-use crate::language::system::{Axiom, Kind, PatchSource, PatchStart, Topology};
+use crate::language::system::{Axiom, CurveSource, CurveStart, Kind, PatchSource, PatchStart, Topology};
+
+/// Points of a curve: where from, their type if they are written out, and how far the ring is turned.
+struct Points {
+    source: CurveSource,
+    ty: Option<Type>,
+    shift: Option<Expr>,
+}
 
 impl<'a> Checker<'a> {
     pub(super) fn axiom(&mut self) -> Axiom {
@@ -17,7 +24,7 @@ impl<'a> Checker<'a> {
         let Some(axiom) = written else { return Axiom::None };
         match self.kind {
             Kind::Patch { degree, rational } => return self.patch_axiom(axiom, degree, rational),
-            Kind::Curve(_) => self.curve_axiom(axiom),
+            Kind::Curve(_) => return self.curve_axiom(axiom),
             Kind::Mesh => self.mesh_axiom(axiom),
         }
         Axiom::Other
@@ -36,27 +43,43 @@ impl<'a> Checker<'a> {
 
     // Curves.
 
-    fn curve_axiom(&mut self, axiom: &'a syntax::Axiom) {
-        match &axiom.kind {
+    fn curve_axiom(&mut self, axiom: &'a syntax::Axiom) -> Axiom {
+        let starts = match &axiom.kind {
             AxiomKind::Word(word) => match self.system_word(word) {
-                Some(used) => _ = self.earlier_system(&used.symbol.text, used.span, syntax::Kind::Curve),
+                Some(used) => {
+                    self.earlier_system(&used.symbol.text, used.span, syntax::Kind::Curve);
+                    let name = used.symbol.text.clone();
+                    vec![Some(CurveStart::System { name, shift: None, span: used.span })]
+                }
                 None => {
                     let mut scope = Scope::new(Where::Axiom);
-                    self.word(&mut scope, word, &mut Vec::new());
+                    let mut modules = Vec::new();
+                    self.word(&mut scope, word, &mut modules);
+                    if word.iter().any(|e| matches!(e, Element::Branch(..))) {
+                        return Axiom::Other;
+                    }
+                    modules.into_iter().map(|m| Some(CurveStart::Module(m))).collect()
                 }
             },
             AxiomKind::Source(source) => {
                 let points = self.curve_source(source);
-                if !matches!(source.kind, SourceKind::Named(..)) {
-                    self.unnamed_points(source, points);
-                }
+                vec![match &source.kind {
+                    SourceKind::Named(name, _) => {
+                        let (name, span) = (name.text.clone(), name.span);
+                        points.map(|points| CurveStart::System { name, shift: points.shift, span })
+                    }
+                    _ => self.unnamed_points(source, points),
+                }]
             }
-            AxiomKind::Starts(starts) => starts.iter().for_each(|s| self.curve_start(s)),
+            AxiomKind::Starts(starts) => starts.iter().map(|s| self.curve_start(s)).collect(),
             AxiomKind::Meshes(_) => {
                 let message = "a curve system starts from a word or from points";
                 self.report(Diagnostic::error(code::AXIOM, axiom.span, message));
+                return Axiom::Other;
             }
-        }
+        };
+        // What is missing was reported, so the system is not run.
+        Axiom::Curve(starts.into_iter().flatten().collect())
     }
 
     /// A lone name that is no module but an earlier system.
@@ -68,12 +91,10 @@ impl<'a> Checker<'a> {
     }
 
     /// `P(_, false) = file "c.csv"`.
-    fn curve_start(&mut self, start: &'a Start) {
+    fn curve_start(&mut self, start: &'a Start) -> Option<CurveStart> {
         let points = self.curve_source(&start.source);
         let used = &start.module;
-        let Some(symbol) = self.symbol(&used.symbol).filter(|s| !self.broken_symbols.contains(s)) else {
-            return;
-        };
+        let symbol = self.symbol(&used.symbol).filter(|s| !self.broken_symbols.contains(s))?;
         let is_point = |e: &syntax::Expr| matches!(&e.kind, syntax::ExprKind::Name(name) if name == "_");
         let args = used.args.as_deref().unwrap_or_default();
         let fields = self.symbols[symbol].fields.clone();
@@ -86,37 +107,46 @@ impl<'a> Checker<'a> {
                 let error = Diagnostic::error(code::AXIOM, used.span, message);
                 self.report(error.hint(format!("as in `{}(_) = file \"c.obj\"`", used.symbol.text)));
             }
-            return;
+            return None;
         }
+        let mut lowered = Vec::with_capacity(args.len());
         for (arg, field) in args.iter().zip(&fields) {
             if !is_point(arg) {
                 let why = || format!("`{}` is {}", field.name, super::typing::article(&field.ty));
-                self.expr(&mut scope, arg, &field.ty, why);
-            } else if !matches!(field.ty, Type::Vec2 | Type::Vec3 | Type::Vec4) {
+                lowered.push(self.expr(&mut scope, arg, &field.ty, why).map(Some));
+                continue;
+            }
+            if !matches!(field.ty, Type::Vec2 | Type::Vec3 | Type::Vec4) {
                 let message = format!("a point is a vector, and `{}` is {}", field.name, field.ty);
                 self.report(Diagnostic::error(code::TYPE, arg.span, message));
-            } else if let Some(points) = points.as_ref().filter(|p| **p != field.ty) {
+            } else if let Some(points) = points.as_ref().and_then(|p| p.ty.as_ref()).filter(|p| **p != field.ty) {
                 let message = format!("the points are {points}, and `{}` is {}", field.name, field.ty);
                 self.report(Diagnostic::error(code::TYPE, start.source.span, message));
             }
+            lowered.push(Some(None));
         }
+        let (points, args) = (points?, lowered.into_iter().collect::<Option<Vec<_>>>()?);
+        let span = used.span.to(start.source.span);
+        Some(CurveStart::Points { symbol, args, source: points.source, shift: points.shift, span })
     }
 
     /// Points without a module: they become the one module that holds a vector and nothing else.
-    fn unnamed_points(&mut self, source: &'a Source, points: Option<Type>) {
+    fn unnamed_points(&mut self, source: &'a Source, points: Option<Points>) -> Option<CurveStart> {
         let vector = |ty: &Type| matches!(ty, Type::Vec2 | Type::Vec3 | Type::Vec4);
-        let fitting: Vec<_> = self
-            .symbols
-            .iter()
-            .filter(|s| matches!(s.fields.as_slice(), [field] if vector(&field.ty)))
-            .collect();
+        let fits = |s: &&crate::language::system::Symbol| {
+            matches!(s.fields.as_slice(), [field] if vector(&field.ty))
+        };
+        let fitting: Vec<_> = self.symbols.iter().filter(fits).collect();
         match fitting.as_slice() {
             [only] => {
                 let (name, field) = (only.name.clone(), only.fields[0].ty.clone());
-                if let Some(points) = points.filter(|p| *p != field) {
+                let symbol = self.symbols.iter().position(|s| s.name == name)?;
+                if let Some(points) = points.as_ref().and_then(|p| p.ty.as_ref()).filter(|p| **p != field) {
                     let message = format!("the points are {points}, and `{name}` takes {field}");
                     self.report(Diagnostic::error(code::TYPE, source.span, message));
                 }
+                let Points { source: from, shift, .. } = points?;
+                Some(CurveStart::Points { symbol, args: vec![None], source: from, shift, span: source.span })
             }
             [] => {
                 let message = "no module holds a point and nothing else";
@@ -125,17 +155,20 @@ impl<'a> Checker<'a> {
                     error
                         .hint("say what a point becomes: `P(_, …) = file \"c.obj\"`, with `_` for the point"),
                 );
+                None
             }
             [a, b, ..] => {
                 let message = format!("the points may become `{}` or `{}`", a.name, b.name);
                 let hint = format!("say which: `{}(_) = …`", a.name);
                 self.report(Diagnostic::error(code::AXIOM, source.span, message).hint(hint));
+                None
             }
         }
     }
 
-    /// Checks the source of a curve; the type of its points, if they are written out.
-    fn curve_source(&mut self, source: &'a Source) -> Option<Type> {
+    /// Checks the source of a curve.
+    fn curve_source(&mut self, source: &'a Source) -> Option<Points> {
+        let mut turned = Some(None);
         if let Some(shift) = &source.shift {
             if self.kind != Kind::Curve(Topology::Ring) {
                 let message = "only a ring can be shifted";
@@ -143,34 +176,38 @@ impl<'a> Checker<'a> {
                 self.report(error.hint(format!("write `system {} : curve ring`", self.system.name.text)));
             }
             let mut scope = Scope::new(Where::Axiom);
-            self.expr(&mut scope, shift, &Type::Int, || "a shift is a number of points, an int".into());
+            let why = || "a shift is a number of points, an int".into();
+            turned = self.expr(&mut scope, shift, &Type::Int, why).map(Some);
         }
-        match &source.kind {
-            SourceKind::File(_, index) => {
-                self.file_index(index.as_ref());
-                None
+        let (from, ty) = match &source.kind {
+            SourceKind::File(path, index) => {
+                let index = self.file_index(index.as_ref());
+                (CurveSource::File { path: path.text.clone(), index, span: path.span }, None)
             }
             SourceKind::List(list) => {
                 let mut scope = Scope::new(Where::Axiom);
                 let list = self.free(&mut scope, list)?;
-                match &list.ty {
-                    Type::List(element, _) if matches!(**element, Type::Vec2 | Type::Vec3 | Type::Vec4) => {
-                        Some((**element).clone())
+                match (&list.ty, as_literal(&list)) {
+                    (Type::List(element, _), Some(Value::List(points)))
+                        if matches!(**element, Type::Vec2 | Type::Vec3 | Type::Vec4) =>
+                    {
+                        (CurveSource::Inline(points), Some((**element).clone()))
                     }
-                    ty => {
-                        let message =
-                            format!("a curve is a list of points, not {}", super::typing::article(ty));
+                    (ty, _) => {
+                        let what = super::typing::article(ty);
+                        let message = format!("a curve is a list of points, not {what}");
                         self.report(Diagnostic::error(code::AXIOM, list.span, message));
-                        None
+                        return None;
                     }
                 }
             }
             SourceKind::Named(name, args) => {
                 self.no_arguments(args.as_deref(), source.span);
-                self.earlier_system(&name.text, name.span, syntax::Kind::Curve);
-                None
+                self.earlier_system(&name.text, name.span, syntax::Kind::Curve)?;
+                (CurveSource::System { name: name.text.clone(), span: name.span }, None)
             }
-        }
+        };
+        Some(Points { source: from, ty, shift: turned? })
     }
 
     fn no_arguments(&mut self, args: Option<&[syntax::Expr]>, span: Span) {

@@ -1,0 +1,140 @@
+//! The axiom of a curve system: its modules, read from where the system says.
+
+use crate::language::Span;
+use crate::language::expr::{Expr, Type, Value};
+use crate::language::system::{self, CurveSource, CurveStart, System};
+
+/// The parts of a word, in order.
+#[derive(Clone, Debug)]
+pub struct Axiom {
+    pub parts: Vec<Part>,
+}
+
+/// Modules from one source, of which the one at `shift` comes first.
+#[derive(Clone, Debug)]
+pub struct Part {
+    pub modules: Vec<Root>,
+    /// Of type int, over uniforms.
+    pub shift: Option<Expr>,
+}
+
+/// A module of the axiom.
+#[derive(Clone, Debug)]
+pub struct Root {
+    /// Index into the system's symbols.
+    pub symbol: usize,
+    /// One for each field; they read uniforms at most.
+    pub args: Vec<Expr>,
+}
+
+/// Why an axiom has no modules. `E` is what reading a file may say.
+#[derive(Debug, thiserror::Error)]
+pub enum AxiomError<E: std::fmt::Display> {
+    #[error("{0}")]
+    Source(E),
+    #[error("{message}")]
+    Wrong { message: String, span: Span },
+}
+
+impl Axiom {
+    /// Resolves the sources of a curve system; `read` gives the curves of a file by its name: coordinates that are
+    /// missing are 0, a fourth 1.
+    ///
+    /// # Errors
+    /// What `read` says; an index beyond the file's curves; no axiom; a source that is a system; a coordinate that is not
+    /// finite.
+    pub fn load<E: std::fmt::Display>(
+        system: &System,
+        read: &mut dyn FnMut(&str) -> Result<Vec<Vec<[f32; 4]>>, E>,
+    ) -> Result<Axiom, AxiomError<E>> {
+        let system::Axiom::Curve(starts) = &system.axiom else {
+            let message = format!("{} has no axiom of a curve: write `axiom: P((0, 0)) P((1, 0))`", system.name);
+            return Err(AxiomError::Wrong { message, span: system.source.name.span });
+        };
+        let mut parts: Vec<Part> = Vec::new();
+        for start in starts {
+            match start {
+                CurveStart::Module(m) => {
+                    let root = Root { symbol: m.symbol, args: m.args.clone() };
+                    match parts.last_mut().filter(|part| part.shift.is_none()) {
+                        Some(part) => part.modules.push(root),
+                        None => parts.push(Part { modules: vec![root], shift: None }),
+                    }
+                }
+                CurveStart::Points { symbol, args, source, shift, span } => {
+                    let points = points(source, read)?;
+                    let fields = &system.symbols[*symbol].fields;
+                    let module = |point: &[f32; 4]| {
+                        let arg = |(arg, field): (&Option<Expr>, &system::Field)| match arg {
+                            Some(arg) => arg.clone(),
+                            None => Expr::literal(of_type(point, &field.ty), *span),
+                        };
+                        Root { symbol: *symbol, args: args.iter().zip(fields).map(arg).collect() }
+                    };
+                    if let Some(n) = points.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
+                        let message = format!("point {n} of the axiom is not finite: {:?}", points[n]);
+                        return Err(AxiomError::Wrong { message, span: *span });
+                    }
+                    let modules = points.iter().map(module).collect();
+                    parts.push(Part { modules, shift: shift.clone() });
+                }
+                CurveStart::System { span, .. } => return Err(of_system(*span)),
+            }
+        }
+        Ok(Axiom { parts })
+    }
+
+    /// Modules in all.
+    pub fn len(&self) -> usize {
+        self.parts.iter().map(|part| part.modules.len()).sum()
+    }
+
+    /// No module at all.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+fn of_system<E: std::fmt::Display>(span: Span) -> AxiomError<E> {
+    let message = "this version does not begin with the word of another system".to_string();
+    AxiomError::Wrong { message, span }
+}
+
+fn points<E: std::fmt::Display>(
+    source: &CurveSource,
+    read: &mut dyn FnMut(&str) -> Result<Vec<Vec<[f32; 4]>>, E>,
+) -> Result<Vec<[f32; 4]>, AxiomError<E>> {
+    match source {
+        CurveSource::Inline(points) => Ok(points.iter().map(coordinates).collect()),
+        CurveSource::System { span, .. } => Err(of_system(*span)),
+        CurveSource::File { path, index, span } => {
+            let mut curves = read(path).map_err(AxiomError::Source)?;
+            match index.map(|index| index as usize) {
+                None => Ok(curves.concat()),
+                Some(index) if index < curves.len() => Ok(curves.swap_remove(index)),
+                Some(index) => {
+                    let message = format!("{path} has {} curves, counted from 0, and no {index}", curves.len());
+                    Err(AxiomError::Wrong { message, span: *span })
+                }
+            }
+        }
+    }
+}
+
+fn coordinates(point: &Value) -> [f32; 4] {
+    match *point {
+        Value::Vec2([x, y]) => [x, y, 0.0, 1.0],
+        Value::Vec3([x, y, z]) => [x, y, z, 1.0],
+        Value::Vec4(p) => p,
+        // The checker takes lists of vectors alone.
+        _ => [0.0, 0.0, 0.0, 1.0],
+    }
+}
+
+fn of_type(&[x, y, z, w]: &[f32; 4], ty: &Type) -> Value {
+    match ty {
+        Type::Vec2 => Value::Vec2([x, y]),
+        Type::Vec3 => Value::Vec3([x, y, z]),
+        _ => Value::Vec4([x, y, z, w]),
+    }
+}

@@ -1,0 +1,44 @@
+//! Words of a curve: what they start from, and what a derivation reads back.
+
+mod axiom;
+
+pub use axiom::{Axiom, AxiomError, Part, Root};
+
+use crate::language::expr::Value;
+use crate::language::system::Topology;
+use crate::patch::Symbol;
+
+/// A word of modules in order, with their parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Word {
+    pub system: String,
+    /// Steps done.
+    pub steps: u32,
+    /// Whether the last module is followed by the first.
+    pub topology: Topology,
+    pub symbols: Vec<Symbol>,
+    pub modules: Vec<Module>,
+}
+
+/// A module of a curve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Module {
+    /// Index into [`Word::symbols`].
+    pub symbol: usize,
+    pub params: Vec<Value>,
+    /// Its place in the derivation tree, hashed; 0 where the system draws no random numbers.
+    pub path: u64,
+}
+
+impl Word {
+    /// The positions of the modules that have one, in order: their first vector, its missing coordinates 0.
+    pub fn points(&self) -> Vec<[f32; 3]> {
+        let vector = |value: &Value| match *value {
+            Value::Vec2([x, y]) => Some([x, y, 0.0]),
+            Value::Vec3(p) => Some(p),
+            Value::Vec4([x, y, z, _]) => Some([x, y, z]),
+            _ => None,
+        };
+        self.modules.iter().filter_map(|m| m.params.iter().find_map(vector)).collect()
+    }
+}

@@ -1,0 +1,44 @@
+// The children of a curve's modules: symbols and parameters, which may be made of what stands around.
+//
+// An invocation a module: reads its record of 16·QUADS bytes, its neighbours' from the caches, and writes one such record
+// for each child. Chaikin's rule on points of up to three coordinates reads 16 and writes 32 bytes, for 12 flops.
+
+import extent;
+import rules;
+import address;
+import attributes;
+import ops;
+
+@group(0) @binding(0) var<uniform> extent: Extent;
+@group(0) @binding(1) var<uniform> environment: array<vec4u, ENVIRONMENT_QUADS>;
+@group(0) @binding(2) var<storage, read> records: array<vec4u>;
+@group(0) @binding(3) var<storage, read> rules: array<u32>;
+@group(0) @binding(4) var<storage, read> offsets: array<u32>;
+@group(0) @binding(5) var<storage, read> attributes: array<u32>;
+@group(0) @binding(6) var<storage, read_write> next_records: array<vec4u>;
+@group(0) @binding(7) var<storage, read_write> status: Status;
+
+@compute @workgroup_size(WORKGROUP)
+fn emit_word(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+  let i = linear(id, groups);
+  if i >= extent.count {
+    return;
+  }
+  let m = read_record(i);
+  var rule = 0u;
+  var first = i * CLOSED;
+  if CLOSED != 0u {
+    rule = matching_rule(m);
+  } else {
+    rule = rules[i];
+    first = offsets[i];
+  }
+  let count = (rule_word(rule) >> 8u) & 255u;
+  if first + count > extent.capacity {
+    atomicMax(&status.needed, first + count);
+    return;
+  }
+  for (var c = 0u; c < count; c++) {
+    write_record(first + c, successor(rule, c, m));
+  }
+}
