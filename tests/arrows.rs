@@ -7,12 +7,13 @@ use std::path::{Path, PathBuf};
 const ARROWS: &[(&str, &[&str])] = &[
     ("language", &[]),
     ("patch", &["language"]),
-    ("io", &["patch", "tessellate", "language"]),
-    ("plan", &["language", "patch"]),
+    ("curve", &["language", "patch"]),
+    ("io", &["patch", "curve", "tessellate", "language"]),
+    ("plan", &["language", "patch", "curve"]),
     ("tessellate", &["language", "patch"]),
-    ("cpu", &["language", "patch", "plan", "tessellate"]),
-    ("codegen", &["language", "patch", "plan", "tessellate"]),
-    ("gpu", &["language", "patch", "plan", "tessellate", "codegen"]),
+    ("cpu", &["language", "patch", "curve", "plan", "tessellate"]),
+    ("codegen", &["language", "patch", "curve", "plan", "tessellate"]),
+    ("gpu", &["language", "patch", "curve", "plan", "tessellate", "codegen"]),
     // The one place where CPU and GPU meet.
     ("conformance", &["language", "patch", "io", "plan", "tessellate", "cpu", "codegen", "gpu"]),
     ("render", &["language", "patch", "plan", "tessellate", "codegen", "gpu", "io"]),

@@ -93,7 +93,7 @@ fn a_broken_kernel_is_seen_where_it_is() {
     }
     let cases = [
         ("every", "match_modules", "if rule < KEEP", "if rule <= KEEP", "match_modules, "),
-        ("every", "count", "& 7u", "& 3u", "count, "),
+        ("every", "count", "& 255u", "& 3u", "count, "),
         ("every", "halving", "(p1 + p2) * 0.5", "(p1 + p2) * 0.25", "emit, "),
         ("every", "retire", "nets[i * POINTS + p]", "nets[k * POINTS + p]", "retire, "),
         ("every", "scan", "offsets[k] = base + before[k - start]", "offsets[k] = base + before[0]", "scan, "),

@@ -198,17 +198,16 @@ fn random_expressions_are_near_the_oracle() {
         for (n, record) in records.chunks_exact(plan.tables.layout.record_words).enumerate() {
             let (given, measured, spread) = (&[][..], &[][..], &[][..]);
             let environment = environment.as_slice();
-            let module =
-                bound::Module {
-                    record,
-                    window: &[],
-                    at: 0,
-                    environment,
-                    given,
-                    measured,
-                    spread,
-                    clock: Clock::default(),
-                };
+            let module = bound::Module {
+                record,
+                window: &[],
+                at: 0,
+                environment,
+                given,
+                measured,
+                spread,
+                clock: Clock::default(),
+            };
             let nodes = bound::evaluate(&code.graph, &module);
             let mut known = code.args[0].iter().map(|a| nodes[a.0]);
             for (field, (value, truth)) in word.modules[n].params.iter().zip(&truth[n]).enumerate() {

@@ -1,11 +1,11 @@
 //! All integration tests, in one binary so that linking stays cheap.
 mod arrows;
 mod check;
-mod curves;
 #[cfg(feature = "cli")]
 mod command;
 #[cfg(feature = "gpu")]
 mod conformance;
+mod curves;
 #[cfg(feature = "gpu")]
 mod degrees;
 #[cfg(feature = "gpu")]

@@ -97,6 +97,23 @@ fn small_plan() -> Plan {
     plans(SMALL).swap_remove(0)
 }
 
+fn small_curve() -> Plan {
+    plans(CURVE).swap_remove(0)
+}
+
+/// Contexts on both sides, ends, erasure, chance, and parameters of all types.
+const CURVE: &str = "\
+system small : curve open
+module P(v: vec3, k: int), Q
+axiom: P((0, 0, 0), 1) P((1, 0, 0), 2)
+rules:
+  # < P(v, k) > P(w, 3) -> P(v, k) P((v + w) / 2, k + 1)
+  P(a, _) Q < P(v, k) : rand() < 0.5 -> (1) P(a, k) Q P(v, k) -> (2) Q
+  Q -> eps
+run:
+  derive 3
+";
+
 /// A system with a condition, attributes, an expression in every place, and a nested block.
 const SMALL: &str = "\
 system small : patch bezier 3
@@ -269,8 +286,8 @@ fn wanted(pass: &Pass) -> Vec<Seen> {
 
 /// The kernels of a pass in all tunings.
 fn kernels_of(pass: &Pass) -> Vec<Shader> {
-    let plan = small_plan();
-    let all = TUNINGS.iter().flat_map(|tuning| shaders(&plan, tuning));
+    let plans = [small_plan(), small_curve()];
+    let all = TUNINGS.iter().flat_map(|tuning| plans.iter().flat_map(|plan| shaders(plan, tuning)));
     // All mappings of emit have the entry point `emit`.
     all.filter(|s| s.module.entry_points.iter().any(|e| e.name == pass.name)).collect()
 }
@@ -425,6 +442,7 @@ fn every_file_is_linked_by_some_kernel_and_says_what_it_is() {
     let mut linked: Vec<String> = Vec::new();
     for tuning in &TUNINGS {
         linked.extend(shaders(&plan, tuning).into_iter().map(|s| s.source));
+        linked.extend(shaders(&small_curve(), tuning).into_iter().map(|s| s.source));
         linked.extend(codegen::measures(tuning).expect("copy and expand").map(|s| s.source));
     }
     for file in files("wgsl", "wgsl").iter().chain(&files("wgsl/shared", "wgsl")) {

@@ -17,15 +17,15 @@ pub mod scan;
 pub mod tessellate;
 
 use crate::language::expr::Value;
-use crate::{curve, patch};
 use crate::plan::compare::{Replay, Trace, Traced, UNTRACED};
 use crate::plan::derive::{self, Backend, Modules, Options, Outcome, StageId};
-use crate::plan::given::Given;
 use crate::plan::edges;
+use crate::plan::given::Given;
 use crate::plan::layout::{END, Layout};
 use crate::plan::step::{Clock, Status};
 use crate::plan::tables::Stage;
 use crate::plan::{Error, Plan};
+use crate::{curve, patch};
 use std::collections::HashMap;
 
 /// Modules that one task of a pass works on.
@@ -188,9 +188,8 @@ impl Pool {
         let beside = 2 * self.layout.halo();
         let (words, points) = ((len + beside) * self.layout.record_words, len * self.layout.net_points());
         let fits = |c: &Chunk| c.records.len() >= words && c.nets.len() >= points;
-        let smallest = (0..self.chunks.len())
-            .filter(|&i| fits(&self.chunks[i]))
-            .min_by_key(|&i| self.chunks[i].size());
+        let smallest =
+            (0..self.chunks.len()).filter(|&i| fits(&self.chunks[i])).min_by_key(|&i| self.chunks[i].size());
         match smallest {
             Some(i) => Chunk { len, ..self.chunks.swap_remove(i) },
             None => Chunk { records: vec![0; words], nets: vec![[0.0; 4]; points], len },

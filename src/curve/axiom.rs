@@ -48,7 +48,8 @@ impl Axiom {
         read: &mut dyn FnMut(&str) -> Result<Vec<Vec<[f32; 4]>>, E>,
     ) -> Result<Axiom, AxiomError<E>> {
         let system::Axiom::Curve(starts) = &system.axiom else {
-            let message = format!("{} has no axiom of a curve: write `axiom: P((0, 0)) P((1, 0))`", system.name);
+            let message =
+                format!("{} has no axiom of a curve: write `axiom: P((0, 0)) P((1, 0))`", system.name);
             return Err(AxiomError::Wrong { message, span: system.source.name.span });
         };
         let mut parts: Vec<Part> = Vec::new();
@@ -113,7 +114,8 @@ fn points<E: std::fmt::Display>(
                 None => Ok(curves.concat()),
                 Some(index) if index < curves.len() => Ok(curves.swap_remove(index)),
                 Some(index) => {
-                    let message = format!("{path} has {} curves, counted from 0, and no {index}", curves.len());
+                    let message =
+                        format!("{path} has {} curves, counted from 0, and no {index}", curves.len());
                     Err(AxiomError::Wrong { message, span: *span })
                 }
             }

@@ -6,14 +6,14 @@ use super::kernels::{SharedKernels, StageKernels};
 use super::sweep::Sweep;
 use super::{Engine, Error};
 use crate::language::expr::Value;
-use crate::{curve, patch};
 use crate::plan::Plan;
 use crate::plan::compare::{Trace, Traced, UNTRACED};
 use crate::plan::derive::{self, Backend, Modules, Options, Outcome, StageId};
-use crate::plan::given::Given;
 use crate::plan::edges;
+use crate::plan::given::Given;
 use crate::plan::layout::{END, HALO, Layout};
 use crate::plan::step::{Clock, Status};
+use crate::{curve, patch};
 use std::collections::HashMap;
 
 /// Records and nets of a chunk, on the device.

@@ -156,7 +156,7 @@ impl<'a> Lower<'a> {
     }
 
     fn unchanged(&mut self, production: &Production, symbols: &[Symbol]) -> Option<Vec<(NodeId, usize)>> {
-        let cell = production.cells[0].as_ref().filter(|_| production.relabels_itself())?;
+        let cell = production.cells.first()?.as_ref().filter(|_| production.relabels_itself())?;
         Some(self.args(&cell.args, &symbols[cell.symbol]))
     }
 }

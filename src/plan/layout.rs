@@ -61,7 +61,11 @@ impl Layout {
     /// to three coordinates take 16 bytes.
     pub fn of_curve(param_words: usize, paths: bool) -> Layout {
         let header_words = if paths { 3 } else { 1 };
-        Layout { record_words: (header_words + param_words).next_multiple_of(4), header_words, degree: [0; 2] }
+        Layout {
+            record_words: (header_words + param_words).next_multiple_of(4),
+            header_words,
+            degree: [0; 2],
+        }
     }
 
     /// Whether the modules are points of a curve, with neighbours and without nets.

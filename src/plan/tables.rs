@@ -163,7 +163,9 @@ impl Stage {
         self.retires = self
             .by_symbol
             .iter()
-            .map(|ids| self.first && !self.curve && !ids.iter().any(|id| self.changes_by_itself(&self.rules[*id])))
+            .map(|ids| {
+                self.first && !self.curve && !ids.iter().any(|id| self.changes_by_itself(&self.rules[*id]))
+            })
             .collect();
         self.closed = closed_growth(self, symbols);
         self.row = Row::of_stage(self);
@@ -366,7 +368,9 @@ fn draws(system: &System) -> bool {
     let mut found = false;
     for rule in system.groups.iter().flat_map(|group| &group.rules) {
         found |= rule.alternatives.len() > 1;
-        super::given::of_rule(rule, &mut |e| e.walk(&mut |e| found |= matches!(e.kind, ExprKind::Random { .. })));
+        super::given::of_rule(rule, &mut |e| {
+            e.walk(&mut |e| found |= matches!(e.kind, ExprKind::Random { .. }))
+        });
     }
     found
 }
@@ -473,9 +477,7 @@ impl Builder<'_> {
         };
         let symbol_of = |c: &Option<system::Context>, module: usize| c.as_ref().map(|c| c.symbols[module]);
         let places = rule.binders.iter().map(|binder| match binder.place {
-            BinderPlace::Left { module, field } => {
-                place(left(module), symbol_of(&rule.left, module)?, field)
-            }
+            BinderPlace::Left { module, field } => place(left(module), symbol_of(&rule.left, module)?, field),
             BinderPlace::Right { module, field } => {
                 place(right(module), symbol_of(&rule.right, module)?, field)
             }

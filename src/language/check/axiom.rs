@@ -119,7 +119,9 @@ impl<'a> Checker<'a> {
             if !matches!(field.ty, Type::Vec2 | Type::Vec3 | Type::Vec4) {
                 let message = format!("a point is a vector, and `{}` is {}", field.name, field.ty);
                 self.report(Diagnostic::error(code::TYPE, arg.span, message));
-            } else if let Some(points) = points.as_ref().and_then(|p| p.ty.as_ref()).filter(|p| **p != field.ty) {
+            } else if let Some(points) =
+                points.as_ref().and_then(|p| p.ty.as_ref()).filter(|p| **p != field.ty)
+            {
                 let message = format!("the points are {points}, and `{}` is {}", field.name, field.ty);
                 self.report(Diagnostic::error(code::TYPE, start.source.span, message));
             }
@@ -133,9 +135,7 @@ impl<'a> Checker<'a> {
     /// Points without a module: they become the one module that holds a vector and nothing else.
     fn unnamed_points(&mut self, source: &'a Source, points: Option<Points>) -> Option<CurveStart> {
         let vector = |ty: &Type| matches!(ty, Type::Vec2 | Type::Vec3 | Type::Vec4);
-        let fits = |s: &&crate::language::system::Symbol| {
-            matches!(s.fields.as_slice(), [field] if vector(&field.ty))
-        };
+        let fits = |s: &&crate::language::system::Symbol| matches!(s.fields.as_slice(), [field] if vector(&field.ty));
         let fitting: Vec<_> = self.symbols.iter().filter(fits).collect();
         match fitting.as_slice() {
             [only] => {
