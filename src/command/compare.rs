@@ -9,6 +9,7 @@ pub fn compare(flags: &flags::Compare) -> Result<(), Failure> {
     use super::{counted, devices, progress, stop};
     use burgeon::gpu::{Engine, Gpu, Headless, Requirement};
     use burgeon::plan::compare::{Pair, PairError};
+    use burgeon::plan::derive::Start;
     use burgeon::plan::{Progress, derive};
 
     let job = super::load::job(&flags.derive, false)?;
@@ -29,7 +30,7 @@ pub fn compare(flags: &flags::Compare) -> Result<(), Failure> {
         PairError::Right(e) => of_gpu(e),
         PairError::Difference(d) => Failure::Differ(format!("error: CPU and GPU differ: {d}")),
     })?;
-    let modules = derivation.steps.last().map_or(job.axiom.roots.len() as u64, |s| s.modules);
+    let modules = derivation.steps.last().map_or(job.axiom.roots() as u64, |s| s.modules);
     super::print(&format!(
         "{}: {}, {}: equal on the CPU and on {} after every pass ({} compared{}{})\n",
         job.plan.system.name,

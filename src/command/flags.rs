@@ -27,7 +27,7 @@ pub struct Run {
     #[command(flatten)]
     pub derive: Derive,
     /// Write the result, by extension: .bpt and .bv the nets, .json the exact word, .obj, .ply and .glb
-    /// triangles, .png a picture; may be given several times
+    /// triangles, .png a picture; curves as .svg, .obj, .csv and .json; may be given several times
     #[arg(long, value_name = "FILE")]
     pub out: Vec<PathBuf>,
     /// Where it runs: auto takes a hardware adapter, else a software one, else the CPU backend
@@ -44,6 +44,12 @@ pub struct Run {
     /// Colour the picture by the symbols of the modules
     #[arg(long)]
     pub by_symbol: bool,
+    /// Mark the points of a curve in its .svg
+    #[arg(long)]
+    pub points: bool,
+    /// Draw the polygon that a curve begins with into its .svg
+    #[arg(long)]
+    pub control: bool,
     /// Print one line of JSON: backend, adapter, compile_ms, steps (modules, ms), total_ms, peak_bytes;
     /// with --tolerance modules count erased ones, too, and there are vertices, triangles, tessellate_ms
     #[arg(long)]

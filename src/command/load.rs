@@ -1,14 +1,18 @@
 //! From the flags to a plan and its axiom.
 
 use super::{Failure, colored, counted, flags, say};
-use burgeon::io::{NetOptions, ReadError, read_nets, values};
+use burgeon::curve;
+use burgeon::io::{NetOptions, ReadError, curves, read_nets, values};
 use burgeon::language::check::{Checked, compile};
 use burgeon::language::diagnostic::{self, nearest};
 use burgeon::language::expr::Type;
-use burgeon::language::system::{Axiom, Kind, PatchSource, System, UniformKind};
+use burgeon::language::system::{
+    Axiom, CurveSource, CurveStart, Kind, PatchSource, PatchStart, System, UniformKind,
+};
 use burgeon::language::vocabulary::Vocabulary;
 use burgeon::language::{Diagnostic, Severity, Span, Value, lex, parse, syntax};
 use burgeon::patch;
+use burgeon::plan::derive::{Modules, Start};
 use burgeon::plan::{self, Given, Plan, Unsupported, View, schedule};
 use burgeon::tessellate::Camera;
 use indicatif::HumanBytes;
@@ -143,12 +147,53 @@ pub fn has_extension(path: &Path, extension: &str) -> bool {
 /// A plan, the roots it starts from, and the values it is run with.
 pub struct Job {
     pub plan: Plan,
-    pub axiom: patch::Axiom,
+    pub axiom: Beginning,
     pub set: Vec<(String, Value)>,
     pub uniforms: Vec<Value>,
     pub bind: Vec<(String, patch::Values)>,
     pub view: Option<View>,
     source: Source,
+}
+
+/// Whether the flags name a system of curves; what is wrong with the file is said by whoever reads it next.
+pub fn is_curve(flags: &flags::System) -> bool {
+    let source = Source::read(&flags.file).ok();
+    let is = |source: &Source| {
+        let system = source.system(flags.system.as_deref()).ok()?;
+        Some(matches!(system.kind, Kind::Curve(_)))
+    };
+    source.as_ref().and_then(is).unwrap_or(false)
+}
+
+/// What a derivation begins with.
+pub enum Beginning {
+    Nets(patch::Axiom),
+    Points(curve::Axiom),
+}
+
+impl Start for Beginning {
+    fn modules(&self, plan: &Plan, uniforms: &[Value]) -> Result<Modules, plan::Error> {
+        match self {
+            Beginning::Nets(axiom) => axiom.modules(plan, uniforms),
+            Beginning::Points(axiom) => axiom.modules(plan, uniforms),
+        }
+    }
+    fn roots(&self) -> usize {
+        match self {
+            Beginning::Nets(axiom) => axiom.roots(),
+            Beginning::Points(axiom) => axiom.roots(),
+        }
+    }
+}
+
+impl Beginning {
+    /// The nets of the roots; none of a curve.
+    pub fn nets(&self) -> Vec<patch::Net> {
+        match self {
+            Beginning::Nets(axiom) => axiom.roots.iter().map(|root| root.net.clone()).collect(),
+            Beginning::Points(_) => Vec::new(),
+        }
+    }
 }
 
 /// Reads the rule file and the axiom's files, and makes the plan. All that can be wrong with them is
@@ -173,15 +218,15 @@ pub fn job(flags: &flags::Derive, keeps_holes: bool) -> Result<Job, Failure> {
     let axiom =
         axiom(&source, system, flags.input.as_deref(), flags.bspline).map_err(|e| e.failure(&source))?;
     let bind = bind(&plan.system, &flags.bind)?;
-    let view = sight(&flags.view, flags::Up::Y, axiom.roots.iter().map(|root| &root.net))?.map(|s| s.view());
-    Given::new(&plan.system, axiom.roots.len(), &bind, view).map_err(|e| failure(&source, &plan, e))?;
+    let view = sight(&flags.view, flags::Up::Y, axiom.nets().iter())?.map(|s| s.view());
+    Given::new(&plan.system, axiom.roots(), &bind, view).map_err(|e| failure(&source, &plan, e))?;
     Ok(Job { plan, axiom, set, uniforms, bind, view, source })
 }
 
 impl Job {
     /// The nets of the roots.
     pub fn nets(&self) -> Vec<patch::Net> {
-        self.axiom.roots.iter().map(|root| root.net.clone()).collect()
+        self.axiom.nets()
     }
 
     /// An error of the plan by whose fault it is, with the place where that is known.
@@ -312,10 +357,14 @@ fn place_of_value(system: &System, text: &str) -> Span {
 
 fn place_of_axiom(system: &System) -> Span {
     let first = match &system.axiom {
-        Axiom::Patches(starts) => starts.first(),
+        Axiom::Patches(starts) => starts.first().map(|start| start.span),
+        Axiom::Curve(starts) => starts.first().map(|start| match start {
+            CurveStart::Module(module) => module.span,
+            CurveStart::Points { span, .. } | CurveStart::System { span, .. } => *span,
+        }),
         _ => None,
     };
-    first.map_or(system.source.name.span, |start| start.span)
+    first.unwrap_or(system.source.name.span)
 }
 
 /// Why there are no roots.
@@ -344,26 +393,39 @@ pub fn axiom(
     system: &System,
     input: Option<&Path>,
     bspline: bool,
-) -> Result<patch::Axiom, AxiomError> {
+) -> Result<Beginning, AxiomError> {
     let files = files(system);
-    let first = files.first().map(|(name, _)| *name);
+    let first = files.first().map(|(name, _)| name.as_str());
     if let (Some(input), None) = (input, first) {
         let what = format!("error: --in {}: the axiom of {} names no file", input.display(), system.name);
         return Err(AxiomError::Other(Failure::Usage(format!("{what} that it could replace"))));
     }
     let folder = source.path.parent().unwrap_or(Path::new(""));
     let mut missing = None;
-    let mut read = |name: &str| match input {
-        Some(input) if first == Some(name) => nets(input, system, bspline),
+    // The file in whose place another one may be read.
+    let mut place = |name: &str| match input {
+        Some(input) if first == Some(name) => input.to_path_buf(),
         _ => {
             let path = folder.join(name);
             if !path.exists() {
-                missing = files.iter().find(|(file, _)| *file == name).map(|(_, span)| *span);
+                missing = files.iter().find(|(file, _)| file == name).map(|(_, span)| *span);
             }
-            nets(&path, system, bspline)
+            path
         }
     };
-    let result = patch::Axiom::load(system, &mut read);
+    let result = if matches!(system.kind, Kind::Curve(_)) {
+        let mut read = |name: &str| {
+            let path = place(name);
+            curves::read(&path).map_err(|e| shown(&path, &e))
+        };
+        curve::Axiom::load(system, &mut read).map(Beginning::Points).map_err(|e| match e {
+            curve::AxiomError::Source(text) => patch::AxiomError::Source(text),
+            curve::AxiomError::Wrong { message, span } => patch::AxiomError::Wrong { message, span },
+        })
+    } else {
+        let mut read = |name: &str| nets(&place(name), system, bspline);
+        patch::Axiom::load(system, &mut read).map(Beginning::Nets)
+    };
     result.map_err(|e| match (e, missing) {
         (patch::AxiomError::Source(text), Some(span)) => {
             let hint = "paths are relative to the rule file; --in FILE reads another one";
@@ -377,15 +439,22 @@ pub fn axiom(
 }
 
 /// The files that the axiom names, and where.
-fn files(system: &System) -> Vec<(&str, Span)> {
-    let Axiom::Patches(starts) = &system.axiom else { return Vec::new() };
-    starts
-        .iter()
-        .filter_map(|s| match &s.source {
-            PatchSource::File { path, span, .. } => Some((path.as_str(), *span)),
-            _ => None,
-        })
-        .collect()
+fn files(system: &System) -> Vec<(String, Span)> {
+    let of_patch = |s: &'_ PatchStart| match &s.source {
+        PatchSource::File { path, span, .. } => Some((path.clone(), *span)),
+        _ => None,
+    };
+    let of_curve = |s: &'_ CurveStart| match s {
+        CurveStart::Points { source: CurveSource::File { path, span, .. }, .. } => {
+            Some((path.clone(), *span))
+        }
+        _ => None,
+    };
+    match &system.axiom {
+        Axiom::Patches(starts) => starts.iter().filter_map(of_patch).collect(),
+        Axiom::Curve(starts) => starts.iter().filter_map(of_curve).collect(),
+        _ => Vec::new(),
+    }
 }
 
 /// Why a file could not be read; a parse error shows the line, cut around the place.

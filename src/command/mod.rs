@@ -2,6 +2,7 @@
 
 mod bench;
 mod compare;
+mod curve;
 mod devices;
 mod flags;
 mod load;

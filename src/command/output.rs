@@ -158,7 +158,7 @@ pub fn diced(word: &Word, grid: usize, by_symbol: bool, bar: &Bar) -> Result<Sha
     Ok(Shape { mesh, coloured })
 }
 
-fn file(
+pub fn file(
     path: &Path,
     content: impl FnOnce(&mut dyn std::io::Write) -> Result<(), WriteError>,
 ) -> Result<(), Failure> {

@@ -13,6 +13,13 @@ use std::time::Instant;
 /// Derives and writes.
 pub fn run(flags: &flags::Run) -> Result<(), Failure> {
     let start = Instant::now();
+    if load::is_curve(&flags.derive.system) {
+        return super::curve::run(flags);
+    }
+    if flags.points || flags.control {
+        let what = "--points and --control are for the .svg of a curve";
+        return Err(Failure::Usage(format!("error: {what}")));
+    }
     let targets = output::targets(&flags.out, &output::ALL)?;
     let watertight = flags.fineness.tolerance.is_some();
     if let (false, Some(flag)) = (watertight, tessellate::depth_flag(&flags.fineness)) {

@@ -6,7 +6,7 @@ use burgeon::codegen::{self, Tuning};
 use burgeon::language::system::{Axiom, System};
 use burgeon::language::{Diagnostic, Severity};
 use burgeon::plan::Plan;
-use burgeon::plan::derive::StageId;
+use burgeon::plan::derive::{StageId, Start};
 
 /// Everything that is wrong with a rule file.
 pub fn check(flags: &flags::Check) -> Result<(), Failure> {
@@ -55,7 +55,7 @@ fn compiled(source: &Source, system: &System) -> Result<String, Wrong> {
         return Ok("checked and compiled; `run` needs an axiom".to_string());
     }
     match load::axiom(source, system, None, true) {
-        Ok(axiom) => Ok(format!("checked and compiled, {}", counted(axiom.roots.len() as u64, "root"))),
+        Ok(axiom) => Ok(format!("checked and compiled, {}", counted(axiom.roots() as u64, "root"))),
         // The rules may be right where the file is not there yet.
         Err(AxiomError::Missing(d)) => Ok(format!("checked and compiled; {}", d.message)),
         Err(AxiomError::Rules(d)) => Err(Wrong::Rules(d)),

@@ -106,7 +106,7 @@ fn emit_part(
         let rule = rule_of(i);
         let word = words_of_rules[rule];
         let (halves, live) = (word & 3, word >> 4 & 15);
-        let count = (word >> 8 & 7) as usize;
+        let count = (word >> 8 & 255) as usize;
         let record = part.record(i);
         let children = &mut out.records[at * words..][..count * words];
         if let Some(production) = stage.productions.get(rule) {

@@ -31,8 +31,11 @@ pub fn status(stage: &Stage, words: &[u32], block: &Input, rules: &[u32]) -> Sta
     let mut status = Status::default();
     for (i, &rule) in rules.iter().enumerate() {
         if rule < stage.keep() {
-            let header = Header::read(block.record(i));
             status.fired = 1;
+            if block.layout.is_curve() {
+                continue;
+            }
+            let header = Header::read(block.record(i));
             status.too_deep |= header.child(words[rule as usize] & 3, 0, 0).is_none() as u32;
         } else if rule == stage.retired() {
             status.retired_symbols |= 1 << ((block.record(i)[0] & 0xffff) % 32);

@@ -5,6 +5,7 @@
 
 pub mod bpt;
 pub mod bv;
+pub mod curves;
 pub mod glb;
 pub mod json;
 mod nets;

@@ -93,6 +93,10 @@ pub enum Problem {
     NoVertex { face: Element, found: String, vertices: usize },
     #[error(transparent)]
     Grid(GridError),
+    #[error(
+        "{found} numbers in this row, and {first} in the first: a point has two to four, and all have as many"
+    )]
+    Row { found: usize, first: usize },
     #[error("`{found}` stands where a number, true or false should")]
     NotAValue { found: String },
     #[error("this line is no {ty}: {wanted}")]
@@ -141,6 +145,19 @@ pub enum Element {
     Face {
         face: usize,
     },
+    /// Of an `.obj`, from 1.
+    Line {
+        line: usize,
+    },
+    /// Of all curves of a file together.
+    CurvePoint {
+        point: usize,
+    },
+    /// As in `Coordinate`.
+    CurveCoordinate {
+        point: usize,
+        axis: usize,
+    },
 }
 
 impl fmt::Display for Element {
@@ -160,6 +177,11 @@ impl fmt::Display for Element {
             Element::Vertex { vertex } => write!(f, "vertex {vertex}"),
             Element::VertexCoordinate { vertex, axis } => write!(f, "{} of vertex {vertex}", AXES[axis]),
             Element::Face { face } => write!(f, "face {face}"),
+            Element::Line { line } => write!(f, "line {line}"),
+            Element::CurvePoint { point } => write!(f, "point {point}"),
+            Element::CurveCoordinate { point, axis } => {
+                write!(f, "{} of point {point}", ["x", "y", "z", "w"][axis.min(3)])
+            }
         }
     }
 }

@@ -10,7 +10,6 @@ use super::Plan;
 use super::bound::{self, Known, Module};
 use super::derive::{Backend, Modules, Outcome, StageId};
 use super::given::Given;
-use super::layout::Header;
 use super::step::Clock;
 use super::tables::Stage;
 use std::sync::Arc;
@@ -408,12 +407,15 @@ fn whole(_: usize) -> String {
 fn place_in_records(plan: &Plan, records: &[u32], at: usize) -> String {
     let words = plan.tables.layout.record_words;
     let (module, word) = (at / words, at % words);
-    let header =
+    let patch =
         ["symbol and halvings", "root", "high word of the key", "low word of the key", "row", "column"];
+    let curve = ["symbol", "high word of the path", "low word of the path"];
+    let layout = &plan.tables.layout;
+    let header = if layout.is_curve() { &curve[..layout.header_words] } else { &patch[..] };
     let Some(record) = records.get(module * words..(module + 1) * words) else {
         return format!("word {word} of module {module}");
     };
-    let symbol = plan.tables.symbols.get(Header::read(record).symbol as usize);
+    let symbol = plan.tables.symbols.get((record[0] & 0xffff) as usize);
     let field = symbol.and_then(|s| {
         let mut fields = s.fields.iter().zip(&s.words);
         fields.find(|(f, first)| (**first..**first + f.ty.words()).contains(&word))

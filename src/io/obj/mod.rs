@@ -1,10 +1,12 @@
 //! Wavefront `.obj`: triangle meshes out, the control points of B-splines in.
 
 mod grid;
+mod lines;
 mod read;
 mod write;
 
 pub use grid::GridError;
+pub use lines::{parse as lines, write as write_lines};
 pub use write::write;
 
 use super::text::{ParseError, ReadError};

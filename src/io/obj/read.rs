@@ -58,7 +58,7 @@ pub fn polygons(text: &[u8], rational: bool) -> Result<Polygons, Wrong> {
 }
 
 /// The lines, each up to its comment.
-fn statements(text: &[u8]) -> impl Iterator<Item = Tokens<'_>> {
+pub(super) fn statements(text: &[u8]) -> impl Iterator<Item = Tokens<'_>> {
     let mut start = Tokens::new(text).offset;
     std::iter::from_fn(move || {
         let rest = text.get(start..).filter(|rest| !rest.is_empty())?;
@@ -70,7 +70,12 @@ fn statements(text: &[u8]) -> impl Iterator<Item = Tokens<'_>> {
     })
 }
 
-fn vertex(keyword: &Token, rest: Tokens, vertex: usize, rational: bool) -> Result<[f64; 4], Wrong> {
+pub(super) fn vertex(
+    keyword: &Token,
+    rest: Tokens,
+    vertex: usize,
+    rational: bool,
+) -> Result<[f64; 4], Wrong> {
     let found = rest.clone().count();
     if !matches!(found, 3 | 4 | 6) {
         return Err(keyword.wrong(Problem::Vertex { vertex: Element::Vertex { vertex }, found }));

@@ -1,0 +1,77 @@
+//! Words of curves as `.json`: every module with its symbol and parameters.
+//!
+//! ```json
+//! {"version": 1, "kind": "curve", "system": "chaikin", "steps": 3, "topology": "ring",
+//!  "modules": [{"symbol": "P", "params": [[0.25, 0.0]]}, …]}
+//! ```
+
+use super::super::number::Number;
+use super::super::write::WriteError;
+use crate::curve::Word;
+use crate::language::Value;
+use crate::language::system::Topology;
+use serde::ser::{Serialize, SerializeSeq, Serializer};
+use serde_json::json;
+use std::io::Write;
+
+/// Writes a word.
+///
+/// # Errors
+/// What the writer reports; a number that is not finite, naming the module.
+pub fn write(writer: &mut dyn Write, word: &Word) -> Result<(), WriteError> {
+    let topology = match word.topology {
+        Topology::Ring => "ring",
+        Topology::Open => "open",
+        Topology::Tree => "tree",
+    };
+    let (system, steps) = (json!(word.system), word.steps);
+    write!(
+        writer,
+        "{{\"version\":1,\"kind\":\"curve\",\"system\":{system},\"steps\":{steps},\"topology\":\"{topology}\",\
+         \"modules\":["
+    )?;
+    for (n, module) in word.modules.iter().enumerate() {
+        let floats =
+            module.params.iter().flat_map(Value::words).zip(module.params.iter().flat_map(are_floats));
+        let wrong = floats.map(|(w, is)| (f32::from_bits(w), is)).find(|(x, is)| *is && !x.is_finite());
+        if let Some((x, _)) = wrong {
+            return Err(WriteError::not_finite(format_args!("module {n}"), x));
+        }
+        let symbol = json!(word.symbols[module.symbol].name);
+        let params: Vec<Param> = module.params.iter().map(Param).collect();
+        let params = serde_json::to_string(&params).map_err(std::io::Error::from)?;
+        let comma = if n == 0 { "" } else { "," };
+        write!(writer, "{comma}\n{{\"symbol\":{symbol},\"params\":{params}}}")?;
+    }
+    Ok(writeln!(writer, "\n]}}")?)
+}
+
+/// For each word of a value whether it is a float.
+fn are_floats(value: &Value) -> Vec<bool> {
+    vec![!matches!(value, Value::Int(_) | Value::Bool(_)); value.words().len()]
+}
+
+struct Param<'a>(&'a Value);
+
+impl Serialize for Param<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let vector = |serializer: S, v: &[f32]| {
+            let mut list = serializer.serialize_seq(Some(v.len()))?;
+            v.iter().try_for_each(|&x| list.serialize_element(&Number(x)))?;
+            list.end()
+        };
+        match self.0 {
+            Value::Bool(b) => serializer.serialize_bool(*b),
+            Value::Int(i) => serializer.serialize_i32(*i),
+            Value::Float(x) => Number(*x).serialize(serializer),
+            Value::Vec2(v) => vector(serializer, v),
+            Value::Vec3(v) => vector(serializer, v),
+            Value::Vec4(v) => vector(serializer, v),
+            Value::List(list) => {
+                let mut all = serializer.serialize_seq(Some(list.len()))?;
+                list.iter().try_for_each(|v| all.serialize_element(&Param(v)))?;
+                all.end()
+            }
+        }
+    }
+}
