@@ -78,3 +78,67 @@ fn cpu_and_gpu_derive_the_same_curve() {
         }
     }
 }
+
+const UNCHAIKIN: &str = include_str!("data/language/unchaikin.burgeon");
+
+fn flat(points: &[[f32; 3]]) -> Vec<[f32; 4]> {
+    points.iter().map(|&[x, y, z]| [x, y, z, 1.0]).collect()
+}
+
+/// S18: reverse(forward(x)) = x, four steps each way, in chunks of any size; another phase gives another curve.
+#[test]
+fn s18_reverse_chaikin_takes_chaikin_back() {
+    let polygon: Vec<[f32; 4]> =
+        [[0.0, 0.0], [4.0, 1.0], [5.0, 3.0], [2.0, 6.0], [-1.0, 4.0]].map(|[x, y]| [x, y, 0.0, 1.0]).to_vec();
+    let text = CHAIKIN.replace("axiom: P((0,0)) P((0,1)) P((1,1)) P((1,0))", "axiom: file \"polygon.csv\"");
+    let forward = job(&text.replace("derive 3", "derive 4"), &polygon, &[]).cpu(None, None);
+    assert_eq!(forward.modules.len(), 80);
+    let back = |phase: i32| job(UNCHAIKIN, &flat(&forward.points()), &[("phase", Value::Int(phase))]);
+    for chunk in [None, Some(1), Some(3), Some(7), Some(64)] {
+        let found = back(0).cpu(None, chunk).points();
+        let expected: Vec<[f32; 3]> = polygon.iter().map(|&[x, y, z, _]| [x, y, z]).collect();
+        assert_eq!(found, expected, "chunks of {chunk:?}");
+    }
+    assert_ne!(back(1).cpu(None, None).points(), back(0).cpu(None, None).points());
+}
+
+/// E12: pairs from left to right, and what is left over is kept: 1925 points of a ring and of an open curve.
+#[test]
+fn e12_a_leftover_is_kept() {
+    let points: Vec<[f32; 4]> = (0..1925).map(|i| [i as f32, (i * i % 17) as f32, 0.0, 1.0]).collect();
+    let ring = UNCHAIKIN.to_string();
+    let open = UNCHAIKIN.replace("curve ring", "curve open").replace(" shift phase", "");
+    for (text, expected) in [(ring, [963, 482, 241, 121]), (open, [964, 483, 243, 123])] {
+        let job = job(&text, &points, &[]);
+        for chunk in [None, Some(100)] {
+            let found = [1, 2, 3, 4].map(|steps| job.cpu(Some(steps), chunk).modules.len());
+            assert_eq!(found, expected, "{chunk:?}");
+        }
+    }
+}
+
+#[cfg(feature = "gpu")]
+#[test]
+fn what_is_claimed_is_claimed_alike() {
+    use burgeon::codegen::Tuning;
+    let points: Vec<[f32; 4]> = (0..1925).map(|i| [i as f32, (i * i % 17) as f32, 0.0, 1.0]).collect();
+    // Pairs, triples and single modules by what they hold, so that claims run into each other.
+    let mixed = "system mixed : curve open\nmodule P(v: vec2)\naxiom: file \"p.csv\"\nrules:\n  \
+                 P(a) P(b) : a.y > 8 -> P(a)\n  P(a) : a.y > 5 -> P(a) P(a + (1, 1))\nrules triple:\n  \
+                 P(a) P(b) P(c) : b.y > a.y -> P(b) P(a) P(c) P(c)\nrun:\n  derive 2\n  derive 1 with triple\n";
+    for (name, engine) in device::engines() {
+        // Tiles so small that claims go from one to the next.
+        let small = engine.retuned(Tuning { scan_workgroup: 4, scan_items: 32, ..*engine.tuning() });
+        for text in [UNCHAIKIN, mixed] {
+            let job = job(text, &points, &[]);
+            let uniforms = job.plan.uniforms(&[]).expect("params");
+            for engine in [&engine, &small] {
+                for chunk in [None, Some(500)] {
+                    let gpu = burgeon::gpu::Gpu::new(engine, &job.plan, &uniforms).expect("kernels");
+                    assert_eq!(job.on(gpu, None, chunk), job.cpu(None, chunk), "{name} {chunk:?}");
+                    assert_eq!(job.cpu(None, chunk), job.cpu(None, None), "{chunk:?}");
+                }
+            }
+        }
+    }
+}

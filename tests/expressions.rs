@@ -202,6 +202,7 @@ fn random_expressions_are_near_the_oracle() {
                 record,
                 window: &[],
                 at: 0,
+                behind: 0,
                 environment,
                 given,
                 measured,

@@ -77,7 +77,7 @@ fn stages(plan: &Plan) -> Vec<StageId> {
 
 fn stage_shaders(plan: &Plan, id: StageId, tuning: &Tuning) -> Vec<Shader> {
     let s = codegen::stage(plan, id, tuning).unwrap_or_else(|e| panic!("{e}"));
-    s.measure.into_iter().chain([s.match_modules, s.count, s.emit]).collect()
+    s.measure.into_iter().chain(s.claim).chain([s.match_modules, s.count, s.emit]).collect()
 }
 
 fn shared_shaders(layout: &Layout, tuning: &Tuning) -> [Shader; 3] {
@@ -109,6 +109,7 @@ axiom: P((0, 0, 0), 1) P((1, 0, 0), 2)
 rules:
   # < P(v, k) > P(w, 3) -> P(v, k) P((v + w) / 2, k + 1)
   P(a, _) Q < P(v, k) : rand() < 0.5 -> (1) P(a, k) Q P(v, k) -> (2) Q
+  Q P(v, _) > Q -> P(v, 2)
   Q -> eps
 run:
   derive 3
@@ -376,9 +377,9 @@ fn structs_lie_in_wgsl_as_in_rust() {
         ("retired_symbols", offset_of!(Status, retired_symbols)),
         ("needed", offset_of!(Status, needed)),
         ("needed_finished", offset_of!(Status, needed_finished)),
+        ("claimed", offset_of!(Status, claimed)),
         ("reserved_0", reserved),
         ("reserved_1", reserved + 4),
-        ("reserved_2", reserved + 8),
     ];
     let progress = [
         ("modules", offset_of!(Progress, modules)),

@@ -240,6 +240,7 @@ impl<'a> Values<'a> {
             Node::NearSymbol(offset) => {
                 format!("i32({}.q0.x & 0xffffu)", self.near.get(&offset).map_or("m", String::as_str))
             }
+            Node::Behind => "i32(extent.wanted - m.index)".to_string(),
             Node::Uniform(ty, at) => from_word(ty, &format!("uniform_word({at}u)")),
             Node::Measured(ty, at) => from_word(ty, &format!("measured_word(m, {at}u)")),
             Node::Given(ty, index) => from_word(ty, &format!("given_word({})", self.texts[index])),

@@ -28,6 +28,7 @@ const FILES: &[(&str, &str)] = files![
     "shared/rules"
     "shared/spine"
     "shared/workgroups"
+    "claim"
     "compact"
     "copy"
     "count"

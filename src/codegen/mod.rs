@@ -151,6 +151,8 @@ pub struct StageShaders {
     /// Where the rules read attributes of nets.
     pub measure: Option<Shader>,
     pub match_modules: Shader,
+    /// Where rules replace several modules.
+    pub claim: Option<Shader>,
     pub count: Shader,
     pub emit: Shader,
 }
@@ -184,8 +186,16 @@ pub fn stage_edited(
             Some(build("measure", &constants, generate::record(&layout, false), edit)?)
         }
     };
+    let claim = match stage.claims() {
+        true => {
+            let constants = format!("{}{}", rule_constants(stage), scan_constants(tuning));
+            Some(build("claim", &constants, generate::Text::default(), edit)?)
+        }
+        false => None,
+    };
     Ok(StageShaders {
         measure,
+        claim,
         match_modules: build("match_modules", &constants, match_parts, edit)?,
         count: build("count", &constants, generate::Text::default(), edit)?,
         emit: build(tuning.emit_kernel(&layout), &constants, emit_parts, edit)?,
@@ -252,18 +262,26 @@ fn layout_constants(layout: &Layout, tuning: &Tuning) -> String {
 }
 
 fn stage_constants(plan: &Plan, stage: &Stage, tuning: &Tuning) -> String {
+    format!(
+        "{}{}const CLOSED = {}u;\nconst MEASURED = {}u;\nconst CELLS = {}u;\n",
+        layout_constants(&plan.tables.layout, tuning),
+        rule_constants(stage),
+        stage.closed.unwrap_or(0),
+        stage.row.words,
+        generate::cells(stage),
+    )
+}
+
+/// Where the rule table stands.
+fn rule_constants(stage: &Stage) -> String {
     let table = stage.rule_table();
     let words = (table + stage.productions.len() + 2).next_multiple_of(4);
     format!(
-        "{}const ENVIRONMENT_QUADS = {}u;\nconst RULE_TABLE = {table}u;\nconst KEEP = {}u;\n\
-         const CLOSED = {}u;\nconst ONLY_RULE_WORD = {}u;\nconst MEASURED = {}u;\nconst CELLS = {}u;\n",
-        layout_constants(&plan.tables.layout, tuning),
+        "const ENVIRONMENT_QUADS = {}u;\nconst RULE_TABLE = {table}u;\nconst KEEP = {}u;\n\
+         const ONLY_RULE_WORD = {}u;\n",
         words / 4,
         stage.keep(),
-        stage.closed.unwrap_or(0),
         only_rule_word(stage),
-        stage.row.words,
-        generate::cells(stage),
     )
 }
 

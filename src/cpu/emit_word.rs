@@ -71,6 +71,9 @@ fn emit_part(
     let mut at = 0;
     for i in 0..part.len() {
         let rule = rule_of(i);
+        if rule == stage.retired() as usize {
+            continue;
+        }
         let Some(production) = stage.productions.get(rule) else {
             out[at..at + words].copy_from_slice(part.record(i));
             at += words;

@@ -3,6 +3,7 @@
 //!
 //! Every kernel of `wgsl/` has its twin here under the same name.
 
+pub mod claim;
 pub mod compact;
 pub mod copy;
 pub mod count;
@@ -36,6 +37,9 @@ pub struct Chunk {
     records: Vec<u32>,
     nets: Vec<[f32; 4]>,
     len: usize,
+    /// Modules of a curve's word before it, and from its first to the end.
+    before: usize,
+    behind: usize,
 }
 
 /// The backend. One belongs to one plan and one set of uniforms.
@@ -50,6 +54,8 @@ pub struct Cpu<'a> {
     columns: Columns,
     /// The column of the measured attributes.
     attributes: Vec<u32>,
+    /// Modules of the next chunk that a rule of the last has claimed.
+    claimed: u32,
 }
 
 /// One sweep of the passes over a chunk.
@@ -92,6 +98,7 @@ impl<'a> Cpu<'a> {
             trace: None,
             columns: Columns::default(),
             attributes: Vec::new(),
+            claimed: 0,
         })
     }
 
@@ -111,6 +118,7 @@ impl<'a> Cpu<'a> {
             records: chunk.own(&layout),
             window: &chunk.records,
             first: layout.halo(),
+            behind: chunk.behind,
             layout,
             environment,
             given: &self.given.words,
@@ -129,7 +137,12 @@ impl<'a> Cpu<'a> {
         input.measured = attributes;
         let (total, retired, status) = match stage.closed {
             Some(growth) => (n * growth as usize, 0, Status { fired: 1, ..Status::default() }),
-            None => self.threads.install(|| columns.fill(stage, &input, n, replayed)),
+            None => {
+                let mut claimed = if chunk.before == 0 { 0 } else { self.claimed };
+                let filled = self.threads.install(|| columns.fill(stage, &input, n, replayed, &mut claimed));
+                self.claimed = claimed;
+                filled
+            }
         };
         if status.too_deep != 0 {
             return Outcome::TooDeep;
@@ -192,7 +205,10 @@ impl Pool {
             (0..self.chunks.len()).filter(|&i| fits(&self.chunks[i])).min_by_key(|&i| self.chunks[i].size());
         match smallest {
             Some(i) => Chunk { len, ..self.chunks.swap_remove(i) },
-            None => Chunk { records: vec![0; words], nets: vec![[0.0; 4]; points], len },
+            None => {
+                let (records, nets) = (vec![0; words], vec![[0.0; 4]; points]);
+                Chunk { records, nets, len, before: 0, behind: len }
+            }
         }
     }
 
@@ -219,6 +235,7 @@ impl Columns {
         input: &program::Input,
         n: usize,
         replayed: Option<&Trace>,
+        claimed: &mut u32,
     ) -> (usize, usize, Status) {
         self.rules.resize(n, 0);
         self.counts.resize(n, 0);
@@ -231,6 +248,9 @@ impl Columns {
                 match_modules::status(stage, &words, input, &self.rules)
             }
         };
+        if stage.claims() {
+            *claimed = claim::claim(&words, stage.retired(), *claimed, &mut self.rules);
+        }
         count::count(&words, &self.rules, &mut self.counts);
         scan::scan(&self.counts, &mut self.offsets);
         if stage.may_retire() {
@@ -261,7 +281,7 @@ impl Backend for Cpu<'_> {
         let layout = &self.plan.tables.layout;
         let len = records.len() / layout.record_words;
         if !layout.is_curve() {
-            return Ok(Chunk { records, nets, len });
+            return Ok(Chunk { records, nets, len, before: 0, behind: len });
         }
         let mut chunk = self.pool.take(len);
         chunk.own_mut(layout).copy_from_slice(&records);
@@ -294,6 +314,8 @@ impl Backend for Cpu<'_> {
                 records: chunk.records[start * words..end * words].to_vec(),
                 nets: chunk.nets[start * points..(start + len) * points].to_vec(),
                 len,
+                before: 0,
+                behind: len,
             }
         };
         Ok((0..chunk.len).step_by(most).map(piece).collect())
@@ -315,6 +337,8 @@ impl Backend for Cpu<'_> {
                 let at = if k < halo { k } else { lengths[n] + k };
                 chunks[n].records[at * words..][..words].copy_from_slice(&record);
             }
+            chunks[n].before = lengths[..n].iter().sum();
+            chunks[n].behind = lengths[n..].iter().sum();
         }
         Ok(chunks)
     }
@@ -372,6 +396,9 @@ impl Traced for Cpu<'_> {
 impl Replay for Cpu<'_> {
     fn window(&self, chunk: &Chunk) -> Vec<u32> {
         chunk.records.clone()
+    }
+    fn behind(&self, chunk: &Chunk) -> usize {
+        chunk.behind
     }
     fn replay(
         &mut self,

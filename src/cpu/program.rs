@@ -16,6 +16,8 @@ pub struct Input<'a> {
     /// Of curves the records with those beside the chunk, and which of them is the first of `records`.
     pub window: &'a [u32],
     pub first: usize,
+    /// Modules from the first of `records` to the end of the word.
+    pub behind: usize,
     pub layout: Layout,
     /// The stage's environment: uniforms, what the host gives, constants, rule table.
     pub environment: &'a [u32],
@@ -38,7 +40,8 @@ impl<'a> Input<'a> {
         let row = |module: usize| (module * self.measured_words).min(self.measured.len());
         let measured = &self.measured[row(modules.start)..row(modules.end)];
         let records = &self.records[modules.start * words..modules.end * words];
-        Input { records, first: self.first + modules.start, measured, ..*self }
+        let behind = self.behind.saturating_sub(modules.start);
+        Input { records, first: self.first + modules.start, behind, measured, ..*self }
     }
     /// Modules.
     pub fn len(&self) -> usize {
@@ -91,6 +94,10 @@ pub fn run(graph: &Graph, block: &Input, registers: &mut Registers) {
             Node::Near(_, offset, at) => {
                 let column = block.window.iter().skip(block.place(offset) * words + at).step_by(words);
                 out.iter_mut().zip(column).take(block.len()).for_each(|(o, w)| *o = *w);
+            }
+            Node::Behind => {
+                let left = (0..=block.behind).rev().chain(std::iter::repeat(0));
+                out.iter_mut().zip(left).for_each(|(o, left)| *o = left as u32);
             }
             Node::NearSymbol(offset) => {
                 let column = block.window.iter().skip(block.place(offset) * words).step_by(words);

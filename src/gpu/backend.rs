@@ -24,6 +24,9 @@ pub struct GpuChunk {
     pub(super) len: usize,
     /// No net in it was halved more often along one direction.
     pub(super) halvings: u32,
+    /// Modules of a curve's word before it, and from its first to the end.
+    pub(super) before: usize,
+    pub(super) behind: usize,
 }
 
 impl GpuChunk {
@@ -53,6 +56,8 @@ pub struct Gpu<'a> {
     pub(super) status: wgpu::Buffer,
     pub(super) staging: wgpu::Buffer,
     pub(super) trace: Option<Trace>,
+    /// Modules of the next chunk that a rule of the last has claimed.
+    pub(super) claimed: u32,
 }
 
 /// Where the extents stand.
@@ -83,6 +88,7 @@ impl<'a> Gpu<'a> {
                 status: buffers::storage(engine, "burgeon status", STATUS_BYTES),
                 staging: buffers::staging(engine, READ_BYTES),
                 trace: None,
+                claimed: 0,
                 engine: engine.clone(),
             })
         })
@@ -119,7 +125,7 @@ impl<'a> Gpu<'a> {
         let layout = self.layout();
         let records = self.pool.take(&self.engine, "burgeon records", layout.chunk_bytes(len as u64));
         let nets = self.pool.take(&self.engine, "burgeon nets", len as u64 * layout.net_bytes());
-        GpuChunk { records, nets, len, halvings }
+        GpuChunk { records, nets, len, halvings, before: 0, behind: len }
     }
 
     fn give(&mut self, chunk: GpuChunk) {
@@ -216,7 +222,7 @@ impl Backend for Gpu<'_> {
     }
 
     /// What stands beside a chunk is gathered first, since no buffer may be copied to itself.
-    fn join(&mut self, chunks: Vec<GpuChunk>, ring: bool) -> Result<Vec<GpuChunk>, Error> {
+    fn join(&mut self, mut chunks: Vec<GpuChunk>, ring: bool) -> Result<Vec<GpuChunk>, Error> {
         let engine = self.engine.clone();
         engine.checked("joining chunks", || {
             let layout = self.layout();
@@ -254,6 +260,10 @@ impl Backend for Gpu<'_> {
             }
             engine.queue.submit([encoder.finish()]);
             self.pool.give(gathered);
+            for (n, chunk) in chunks.iter_mut().enumerate() {
+                chunk.before = lengths[..n].iter().sum();
+                chunk.behind = lengths[n..].iter().sum();
+            }
             Ok(chunks)
         })
     }

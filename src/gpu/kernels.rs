@@ -158,6 +158,7 @@ pub fn scan_groups(count: u64, tile: u32) -> [[u32; 2]; 3] {
 pub struct StageKernels {
     pub measure: Option<Kernel>,
     pub match_modules: Kernel,
+    pub claim: Option<Kernel>,
     pub count: Kernel,
     pub emit: Kernel,
     pub environment: wgpu::Buffer,
@@ -178,9 +179,11 @@ impl StageKernels {
             mapped_at_creation: false,
         });
         engine.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(environment));
+        let claim = |s: &Shader| Kernel::of_pass(engine, s, &step::CLAIM, &["reduce", "spine", "claim"]);
         let measure = |s: &Shader| Kernel::of_pass(engine, s, &step::MEASURE, &["measure"]);
         Ok(StageKernels {
             measure: shaders.measure.as_ref().map(measure),
+            claim: shaders.claim.as_ref().map(claim),
             match_modules: Kernel::of_pass(engine, &shaders.match_modules, &step::MATCH, &["match_modules"]),
             count: Kernel::of_pass(engine, &shaders.count, &step::COUNT, &["count"]),
             emit: match plan.tables.layout.is_curve() {

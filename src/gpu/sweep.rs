@@ -130,9 +130,12 @@ impl Gpu<'_> {
         let stage: &Stage = id.of(self.plan);
         let n = chunk.len as u64;
         let given = self.given.words.len() as u32;
-        let wanted = stage.retired();
+        let curve = self.layout().is_curve();
+        let wanted = if curve { chunk.behind as u32 } else { stage.retired() };
+        let claimed = if chunk.before == 0 { 0 } else { self.claimed };
         self.write_extent(0, Extent { count: n as u32, wanted, clock, given, ..Extent::default() });
-        self.engine.queue.write_buffer(&self.status, 0, bytemuck::bytes_of(&Status::default()));
+        let status = Status { claimed, ..Status::default() };
+        self.engine.queue.write_buffer(&self.status, 0, bytemuck::bytes_of(&status));
         let mut encoder = self.encoder("burgeon match, count, scan");
         let tuning = *self.engine.tuning();
         let tiles = n.div_ceil(tuning.tile() as u64);
@@ -154,6 +157,11 @@ impl Gpu<'_> {
             let bound = [self.extent(0), environment, records, attributes, rules, status];
             let group = kernels.match_modules.bind(&self.engine, &bound);
             kernels.match_modules.record(&mut pass, &group, &one_each);
+            if let Some(claim) = &kernels.claim {
+                let bound = [self.extent(0), environment, rules, sums(&columns.sums.buffer), status];
+                let group = claim.bind(&self.engine, &bound);
+                claim.record(&mut pass, &group, &kernels::scan_groups(n, tuning.tile()));
+            }
             let group = kernels.count.bind(&self.engine, &[self.extent(0), environment, rules, counts]);
             kernels.count.record(&mut pass, &group, &one_each);
             let offsets = Binding::new(&columns.offsets.buffer, n * 4 + 4);
@@ -184,7 +192,8 @@ impl Gpu<'_> {
             READ_BYTES,
             |bytes| bytes.chunks_exact(4).map(bytemuck::pod_read_unaligned).collect(),
         )?;
-        let status = bytemuck::pod_read_unaligned(bytemuck::cast_slice(&words[..8]));
+        let status: Status = bytemuck::pod_read_unaligned(bytemuck::cast_slice(&words[..8]));
+        self.claimed = status.claimed;
         let retired = if stage.may_retire() { words[9] as usize } else { 0 };
         Ok(Totals { status, modules: words[8] as usize, retired })
     }

@@ -59,6 +59,8 @@ pub struct Module<'a> {
     /// The records around it, and where its own begins among them.
     pub window: &'a [u32],
     pub at: usize,
+    /// Modules from this one to the end of the word.
+    pub behind: u32,
     pub environment: &'a [u32],
     pub given: &'a [u32],
     pub measured: &'a [u32],
@@ -88,6 +90,8 @@ pub fn evaluate(graph: &Graph, module: &Module) -> Vec<Known> {
             Node::Field(_, at) => Known::Exact(word(module.record, at)),
             Node::Near(_, offset, at) => Known::Exact(module.near(offset, at)),
             Node::NearSymbol(offset) => Known::Exact(module.near(offset, 0) & 0xffff),
+            // Which of two backends counts, they agree on: it is no float.
+            Node::Behind => Known::Exact(module.behind),
             Node::Uniform(_, at) => Known::Exact(word(module.environment, at)),
             Node::Measured(_, at) => {
                 let (word, radius) = (word(module.measured, at), module.spread.get(at).copied());

@@ -46,6 +46,10 @@ impl StageCode {
         for rule in &stage.rules {
             let mut lower = Lower::new(stage, rule, symbols, environment, layout, &mut constants);
             let mut guards: Vec<NodeId> = rule.context.iter().map(|near| lower.near(near)).collect();
+            if !rule.others.is_empty() {
+                // Never across the start of a ring.
+                guards.push(lower.graph.has_behind(rule.others.len() as u32 + 1));
+            }
             guards.extend(rule.guards.iter().map(|g| lower.expr(g)[0]));
             let choice = lower.choice(rule).map(|(any, index)| {
                 guards.push(any);

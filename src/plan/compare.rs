@@ -55,6 +55,8 @@ pub trait Replay: Traced {
     ) -> Result<Outcome<Self::Chunk>, Self::Error>;
     /// The records of a chunk with those beside it.
     fn window(&self, chunk: &Self::Chunk) -> Vec<u32>;
+    /// Modules of a curve's word from the chunk's first to the end.
+    fn behind(&self, chunk: &Self::Chunk) -> usize;
     /// The environment of a stage.
     fn environment(&self, stage: StageId) -> Vec<u32>;
 }
@@ -234,7 +236,9 @@ impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
                 let (given, environment) = (given.words.as_slice(), environment.as_slice());
                 let at = (layout.halo() + i) * layout.record_words;
                 let (spread, window) = (&spread[..], &window[..]);
-                let module = Module { record, window, at, environment, given, measured, spread, clock };
+                let behind = (self.left.behind(chunk) - i) as u32;
+                let module =
+                    Module { record, window, at, behind, environment, given, measured, spread, clock };
                 if !bound::possible_rules(stage, &module).contains(&rules[1]) {
                     let place = |_| format!("the rule of module {i}");
                     self.same("match_modules", &rules[..1], &rules[1..], place, |w| w.to_string())?;
@@ -269,6 +273,8 @@ impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
                 record: &parents[i * words..][..words],
                 window,
                 at: (plan.tables.layout.halo() + i) * words,
+                // No child is made of it.
+                behind: 0,
                 environment: &environment,
                 given: &given.words,
                 measured: trace.attributes.get(i * row..i * row + row).unwrap_or(&[]),

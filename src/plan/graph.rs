@@ -43,6 +43,8 @@ pub enum Node {
     Near(Scalar, i32, usize),
     /// The symbol that stands there.
     NearSymbol(i32),
+    /// Modules from this one to the end of the word.
+    Behind,
     /// A word of the environment.
     Uniform(Scalar, usize),
     /// A word of the module's row of measured attributes.
@@ -177,7 +179,9 @@ impl Graph {
             Node::Measured(ty, _) | Node::Given(ty, _) => ty,
             Node::Element { ty, .. } => ty,
             Node::Held(_) => Scalar::Float,
-            Node::NearSymbol(_) | Node::Level | Node::Step | Node::RunStep | Node::Seed => Scalar::Int,
+            Node::NearSymbol(_) | Node::Behind | Node::Level | Node::Step | Node::RunStep | Node::Seed => {
+                Scalar::Int
+            }
             Node::Call(op, _) => Scalar::of(&op.row().result),
         }
     }
@@ -335,6 +339,13 @@ impl Graph {
         let found = self.push(Node::NearSymbol(near.offset));
         let wanted = self.int(near.symbol);
         self.ints("==", &[found, wanted])
+    }
+
+    /// Whether so many modules, this one the first, stand before the end of the word.
+    pub fn has_behind(&mut self, modules: u32) -> NodeId {
+        let behind = self.push(Node::Behind);
+        let wanted = self.int(modules);
+        self.ints(">=", &[behind, wanted])
     }
 
     /// The words of a curve module's path.

@@ -65,6 +65,8 @@ impl Outcomes {
         };
         let of_symbol = |symbol: usize| {
             let mut list = Vec::new();
+            // Claimed by a rule that begins before it.
+            list.extend(first.rules.iter().any(|rule| rule.others.contains(&symbol)).then(Vec::new));
             for &id in &first.by_symbol[symbol] {
                 let rule = &first.rules[id];
                 for p in &first.productions[rule.productions.clone()] {
@@ -76,7 +78,11 @@ impl Outcomes {
                 }
                 // Nothing behind it is ever tried; one that may leave the module unchanged has the
                 // same count either way. Weights may all be 0, and then it does not match.
-                if rule.context.is_empty() && rule.guards.is_empty() && rule.weights.is_empty() {
+                if rule.context.is_empty()
+                    && rule.others.is_empty()
+                    && rule.guards.is_empty()
+                    && rule.weights.is_empty()
+                {
                     return list;
                 }
             }

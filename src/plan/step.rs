@@ -7,6 +7,7 @@
 //! ```text
 //! measure         attributes of nets, where rules read any      nets → attributes
 //! match_modules   which rule fires on each module               records → rules
+//! claim           what rules of several predecessors take         rules → rules
 //! count           how many modules come of it                   rules → counts
 //! scan            where the first of them goes                  counts → offsets
 //! emit            children: symbols, parameters, addresses, nets  → records, nets
@@ -75,6 +76,8 @@ pub const MATCH: Pass = Pass {
     reads: &[Extent, Environment, Records, Attributes],
     writes: &[Rules, Status],
 };
+/// Which rules fire of those that match, where some replace several modules of a curve.
+pub const CLAIM: Pass = Pass { name: "claim", reads: &[Extent, Environment], writes: &[Rules, Sums, Status] };
 /// How many modules come of each.
 pub const COUNT: Pass = Pass { name: "count", reads: &[Extent, Environment, Rules], writes: &[Counts] };
 /// Where the first of them goes.
@@ -101,7 +104,7 @@ pub const RETIRE: Pass = Pass {
 };
 
 /// All passes, in the order in which they run; of a curve `emit_word` takes the place of `emit`.
-pub const PASSES: [Pass; 8] = [MEASURE, MATCH, COUNT, SCAN, EMIT, EMIT_WORD, COMPACT, RETIRE];
+pub const PASSES: [Pass; 9] = [MEASURE, MATCH, CLAIM, COUNT, SCAN, EMIT, EMIT_WORD, COMPACT, RETIRE];
 
 /// What the rules may know of the time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -123,7 +126,7 @@ pub struct Extent {
     pub count: u32,
     /// Modules that fit in the buffers that the pass writes; nothing is written past them.
     pub capacity: u32,
-    /// The rule id that `compact` looks for.
+    /// The rule id that `compact` looks for; of a curve, modules from the chunk's first to the end of the word.
     pub wanted: u32,
     pub clock: Clock,
     /// Words that the host gives: where the measured attributes begin.
@@ -146,5 +149,7 @@ pub struct Status {
     pub needed: u32,
     /// The same of `retire`.
     pub needed_finished: u32,
-    pub reserved: [u32; 3],
+    /// Modules that are claimed by a rule which begins before: the chunk's first at first, then those behind its last.
+    pub claimed: u32,
+    pub reserved: [u32; 2],
 }

@@ -56,14 +56,23 @@ fn steps(run: &[Step], kind: &str) -> Result<(), Unsupported> {
 /// The most modules of a successor.
 pub const MOST_CELLS: usize = 255;
 
+/// The most modules that one rule replaces.
+pub const MOST_STRICT: usize = 8;
+
 /// Whether every part of the rule is derived.
 pub fn rule(rule: &Rule, kind: Kind) -> Result<(), Unsupported> {
     let curve = matches!(kind, Kind::Curve(_));
     if let Some(context) = rule.left.as_ref().or(rule.right.as_ref()).filter(|_| !curve) {
         return Err(Unsupported::new("contexts in patch systems", context.span));
     }
-    if rule.strict.len() != 1 {
-        return Err(Unsupported::new("several strict predecessors", rule.span));
+    match rule.strict.len() {
+        1 => {}
+        2..=MOST_STRICT if curve => {}
+        _ if curve => {
+            let what = format!("more than {MOST_STRICT} strict predecessors");
+            return Err(Unsupported::new(what, rule.span));
+        }
+        _ => return Err(Unsupported::new("several strict predecessors in patch systems", rule.span)),
     }
     for alternative in &rule.alternatives {
         if let Successor::Modules(list) = &alternative.successor {

@@ -56,6 +56,8 @@ pub struct Near {
 #[derive(Clone, Debug)]
 pub struct MatchRule {
     pub predecessor: usize,
+    /// The symbols of the predecessors behind it.
+    pub others: Vec<usize>,
     /// What stands around it. Nothing is asked for where it is sure.
     pub context: Vec<Near>,
     /// Fields of context modules that its expressions read, (offset, word of the record): the binders behind those of
@@ -80,6 +82,8 @@ pub struct Production {
     /// Index into [`Stage::rules`].
     pub rule: usize,
     pub predecessor: usize,
+    /// Modules that it replaces: the predecessor, and those behind it.
+    pub length: u32,
     /// Which directions are halved: bit 0 u, bit 1 v. 0 with one live cell is a relabelling.
     pub halves: u32,
     /// Of patches four, by 2·(half of u) + (half of v); what is `None` is erased. Of curves the modules in order.
@@ -94,14 +98,15 @@ impl Production {
     }
     /// Keeps the net and the symbol: then unchanged parameters mean that nothing fired.
     pub fn relabels_itself(&self) -> bool {
-        let one = self.halves == 0 && self.count() == 1;
+        let one = self.halves == 0 && self.count() == 1 && self.length == 1;
         one && self.cells[0].as_ref().is_some_and(|c| c.symbol == self.predecessor)
     }
-    /// Its word in the environment buffer: bits 0–1 `halves`, 4–7 the live cells of a patch, 8–15 their number.
+    /// Its word in the environment buffer: bits 0–1 `halves`, 4–7 the live cells of a patch, 8–15 their number,
+    /// 16–18 how many modules it claims behind its predecessor.
     pub fn word(&self) -> u32 {
         let live = self.cells.iter().take(4).enumerate().filter(|(_, cell)| cell.is_some());
         let live = live.fold(0, |m, (c, _)| m | 1 << c);
-        self.halves | live << 4 | self.count() << 8
+        self.halves | live << 4 | self.count() << 8 | (self.length - 1) << 16
     }
 }
 
@@ -184,7 +189,8 @@ impl Stage {
     pub fn keep(&self) -> u32 {
         self.productions.len() as u32
     }
-    /// The rule id that says: no rule can ever fire on it again in this derivation.
+    /// The rule id that says: no rule can ever fire on it again in this derivation. Of curves: another one has
+    /// claimed it, and it becomes nothing.
     pub fn retired(&self) -> u32 {
         self.productions.len() as u32 + 1
     }
@@ -214,9 +220,16 @@ impl Stage {
     /// The rule that fires on every module of this symbol, if the symbol alone decides.
     pub fn unconditional(&self, symbol: usize) -> Option<usize> {
         let rule = &self.rules[*self.by_symbol[symbol].first()?];
-        let sure = rule.context.is_empty() && rule.guards.is_empty() && rule.weights.is_empty();
+        let sure = rule.context.is_empty()
+            && rule.others.is_empty()
+            && rule.guards.is_empty()
+            && rule.weights.is_empty();
         let first = rule.productions.start;
         (sure && !self.productions[first].relabels_itself()).then_some(first)
+    }
+    /// Some rule replaces several modules.
+    pub fn claims(&self) -> bool {
+        self.rules.iter().any(|rule| !rule.others.is_empty())
     }
     /// Some module may be retired.
     pub fn may_retire(&self) -> bool {
@@ -430,10 +443,12 @@ impl Builder<'_> {
                     (0, list.iter().map(|m| Some(successor(m, &resolve))).collect())
                 }
             };
-            productions.push(Production { rule: 0, predecessor, halves, cells, span: rule.span });
+            let length = rule.strict.len() as u32;
+            productions.push(Production { rule: 0, predecessor, length, halves, cells, span: rule.span });
         }
         let matching = MatchRule {
             predecessor,
+            others: rule.strict[1..].to_vec(),
             context,
             reads,
             lets: rule.lets.iter().map(|l| resolve(&l.value)).collect(),
@@ -455,6 +470,9 @@ impl Builder<'_> {
         };
         let right = |module: usize| rule.strict.len() as i32 + module as i32;
         let mut context = Vec::new();
+        context.extend(
+            rule.strict[1..].iter().zip(1..).map(|(&symbol, offset)| Near { offset, symbol: symbol as u32 }),
+        );
         if let Some(c) = &rule.left {
             let near = |(n, &symbol): (usize, &usize)| Near { offset: left(n), symbol: symbol as u32 };
             context.extend(c.symbols.iter().enumerate().map(near));
@@ -478,6 +496,9 @@ impl Builder<'_> {
         let symbol_of = |c: &Option<system::Context>, module: usize| c.as_ref().map(|c| c.symbols[module]);
         let places = rule.binders.iter().map(|binder| match binder.place {
             BinderPlace::Left { module, field } => place(left(module), symbol_of(&rule.left, module)?, field),
+            BinderPlace::Strict { module: module @ 1.., field } => {
+                place(module as i32, *rule.strict.get(module)?, field)
+            }
             BinderPlace::Right { module, field } => {
                 place(right(module), symbol_of(&rule.right, module)?, field)
             }
@@ -526,6 +547,7 @@ impl Builder<'_> {
         let (halves, cells) = self.block(symbol, &block, &|e| e.clone());
         let rule = MatchRule {
             predecessor: symbol,
+            others: Vec::new(),
             context: Vec::new(),
             reads: Vec::new(),
             lets: Vec::new(),
@@ -535,7 +557,7 @@ impl Builder<'_> {
             site: 0,
             span,
         };
-        (rule, vec![Production { rule: 0, predecessor: symbol, halves, cells, span }])
+        (rule, vec![Production { rule: 0, predecessor: symbol, length: 1, halves, cells, span }])
     }
 }
 
@@ -582,7 +604,7 @@ fn field(n: usize, ty: &Type, span: Span) -> Expr {
 fn by_field(e: &Expr, rule: &Rule, system: &System, places: &[Option<usize>]) -> Expr {
     map_expr(e, &|e| match e.kind {
         ExprKind::Binder(b) => match rule.binders[b].place {
-            BinderPlace::Strict { field: f, .. } => Some(field(f, &e.ty, e.span)),
+            BinderPlace::Strict { module: 0, field: f } => Some(field(f, &e.ty, e.span)),
             // Its value is measured or given before anything is matched, so every place where it is
             // read sees the same.
             BinderPlace::Query(n) => {
@@ -593,7 +615,7 @@ fn by_field(e: &Expr, rule: &Rule, system: &System, places: &[Option<usize>]) ->
                     None => Expr { ty: e.ty.clone(), kind: free, span: e.span },
                 })
             }
-            BinderPlace::Left { .. } | BinderPlace::Right { .. } => {
+            BinderPlace::Strict { .. } | BinderPlace::Left { .. } | BinderPlace::Right { .. } => {
                 places[b].map(|place| field(place, &e.ty, e.span))
             }
             // Only meshes have tags.

@@ -17,9 +17,9 @@ struct Status {
   retired_symbols: atomic<u32>,
   needed: atomic<u32>,
   needed_finished: atomic<u32>,
+  claimed: u32,
   reserved_0: u32,
   reserved_1: u32,
-  reserved_2: u32,
 }
 
 // More than 65,535 workgroups need two dimensions: invocations are counted along x, then y.
