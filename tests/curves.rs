@@ -117,28 +117,96 @@ fn e12_a_leftover_is_kept() {
     }
 }
 
+/// Pairs, triples and single modules by what they hold, so that claims run into each other.
 #[cfg(feature = "gpu")]
-#[test]
-fn what_is_claimed_is_claimed_alike() {
+const MIXED: &str = "\
+system mixed : curve open
+module P(v: vec2)
+axiom: file \"p.csv\"
+rules:
+  P(a) P(b) : a.y > 8 -> P(a)
+  P(a) : a.y > 5 -> P(a) P(a + (1, 1))
+  # < P(a) > P(b) -> P(a) P(b) P(a) P(b)
+  P(a) > # -> P(a) P(a + (5, 5)) P(a)
+rules triple:
+  P(a) P(b) P(c) : b.y > a.y -> P(b) P(a) P(c) P(c)
+run:
+  derive 2
+  derive 1 with triple
+";
+
+#[cfg(feature = "gpu")]
+fn many() -> Vec<[f32; 4]> {
+    (0..1925).map(|i| [i as f32, (i * i % 17) as f32, 0.0, 1.0]).collect()
+}
+
+/// Where a device derives another word than the CPU.
+#[cfg(feature = "gpu")]
+fn difference(engine: &burgeon::gpu::Engine) -> Option<String> {
     use burgeon::codegen::Tuning;
-    let points: Vec<[f32; 4]> = (0..1925).map(|i| [i as f32, (i * i % 17) as f32, 0.0, 1.0]).collect();
-    // Pairs, triples and single modules by what they hold, so that claims run into each other.
-    let mixed = "system mixed : curve open\nmodule P(v: vec2)\naxiom: file \"p.csv\"\nrules:\n  \
-                 P(a) P(b) : a.y > 8 -> P(a)\n  P(a) : a.y > 5 -> P(a) P(a + (1, 1))\nrules triple:\n  \
-                 P(a) P(b) P(c) : b.y > a.y -> P(b) P(a) P(c) P(c)\nrun:\n  derive 2\n  derive 1 with triple\n";
-    for (name, engine) in device::engines() {
-        // Tiles so small that claims go from one to the next.
-        let small = engine.retuned(Tuning { scan_workgroup: 4, scan_items: 32, ..*engine.tuning() });
-        for text in [UNCHAIKIN, mixed] {
-            let job = job(text, &points, &[]);
-            let uniforms = job.plan.uniforms(&[]).expect("params");
-            for engine in [&engine, &small] {
-                for chunk in [None, Some(500)] {
-                    let gpu = burgeon::gpu::Gpu::new(engine, &job.plan, &uniforms).expect("kernels");
-                    assert_eq!(job.on(gpu, None, chunk), job.cpu(None, chunk), "{name} {chunk:?}");
-                    assert_eq!(job.cpu(None, chunk), job.cpu(None, None), "{chunk:?}");
-                }
+    use burgeon::gpu::Gpu;
+    // Tiles so small that claims go from one to the next.
+    let small = engine.retuned(Tuning { scan_workgroup: 4, scan_items: 32, ..*engine.tuning() });
+    for text in [UNCHAIKIN, MIXED, CHAIKIN] {
+        let job = job(text, &many(), &[]);
+        let uniforms = job.plan.uniforms(&[]).expect("params");
+        let expected = job.cpu(None, None);
+        for (engine, chunk) in [(engine, None), (&small, None), (&small, Some(500))] {
+            let found = job.on(Gpu::new(engine, &job.plan, &uniforms).expect("kernels"), None, chunk);
+            if found != expected {
+                let (found, expected) = (found.modules.len(), expected.modules.len());
+                return Some(format!("{}, {chunk:?}: {found} for {expected}", job.plan.system.name));
             }
         }
     }
+    None
+}
+
+#[cfg(feature = "gpu")]
+#[test]
+fn what_is_claimed_is_claimed_alike() {
+    for (name, engine) in device::engines() {
+        assert_eq!(difference(&engine), None, "{name}");
+    }
+    let job = job(MIXED, &many(), &[]);
+    assert_eq!(job.cpu(None, Some(500)), job.cpu(None, None));
+}
+
+#[cfg(feature = "gpu")]
+const MUTANTS: &[(&str, &str, &str)] = &[
+    ("emit_word", "if i >= extent.count", "if i + 1u >= extent.count"),
+    ("emit_word", "i * CLOSED", "i"),
+    ("emit_word", "first = offsets[i]", "first = i"),
+    ("emit_word", "& 255u", "& 1u"),
+    ("claim", "return state - 1u", "return state"),
+    ("claim", ">> 16u) & 7u", ">> 17u) & 7u"),
+    ("claim", "let entered = status.claimed", "let entered = 0u"),
+    ("claim", "composed(before, partial[local])", "composed(partial[local], before)"),
+    ("claim", "state = after(here, state)", "state = 0u"),
+    ("claim", "rules[i] = KEEP + 1u", "rules[i] = KEEP"),
+    ("claim", "status.claimed = after(inclusive, entered)", "status.claimed = 0u"),
+];
+
+#[cfg(feature = "gpu")]
+#[test]
+fn every_mutant_of_the_kernels_of_curves_is_seen() {
+    let Some(headless) = device::headless() else { return };
+    let engine = burgeon::gpu::Engine::new(&headless.device, &headless.queue);
+    let mut wrong = Vec::new();
+    for &(file, find, replace) in MUTANTS {
+        let text = std::fs::read_to_string(format!("wgsl/{file}.wgsl")).expect(file);
+        let mutant = engine.clone().with_edit(burgeon::codegen::Edit { file, find, replace });
+        if !text.contains(find) {
+            wrong.push(format!("{file} has no `{find}` any more"));
+        } else if difference(&mutant).is_none() {
+            wrong.push(format!("{file}: `{find}` → `{replace}` is not seen"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// How many mutants of a file are here.
+#[cfg(feature = "gpu")]
+pub fn mutants_of(file: &str) -> usize {
+    MUTANTS.iter().filter(|m| m.0 == file).count()
 }
