@@ -51,6 +51,7 @@ const FILES: &[(&str, &str)] = files![
     "tessellate/shared/budget"
     "tessellate/shared/control"
     "tessellate/shared/lattice"
+    "tessellate/shared/placement"
     "tessellate/shared/surface"
     "tessellate/shared/target"
     "tessellate/shared/topology"

@@ -15,6 +15,10 @@ use crate::tessellate::{Camera, Level, Options};
 /// How far two floats of a vertex may be apart, beside the larger of 1 and their size.
 pub const ROUNDING: f32 = 1e-5;
 
+/// The same for normals and tangents that come of differences over a 2048th of a side, as those of a displaced
+/// surface do.
+pub const SLOPE_ROUNDING: f32 = 2e-3;
+
 /// Patches, and the levels of the frames that are made of them.
 pub struct Set {
     pub name: &'static str,
@@ -131,6 +135,7 @@ fn vertices(cpu: &Cpu, gpu: &Frame) -> Result<f32, Trouble> {
         return Err(Trouble::Differs(format!("{found} words of vertices for {wanted}")));
     }
     let packed = cpu.format().normal == Some(Normal::Octahedral);
+    let rounding = |word: usize| if of_slopes(cpu, word) { SLOPE_ROUNDING } else { ROUNDING };
     let mut most = 0.0f32;
     for (k, (&a, &b)) in gpu.vertices.iter().zip(wanted).enumerate() {
         let (x, y) = (f32::from_bits(a), f32::from_bits(b));
@@ -145,7 +150,7 @@ fn vertices(cpu: &Cpu, gpu: &Frame) -> Result<f32, Trouble> {
             }
             // A small integer is a float that is nearly 0.
             false if !x.is_normal() && x != 0.0 => f32::INFINITY,
-            false => (x - y).abs() / (ROUNDING * y.abs().max(1.0)),
+            false => (x - y).abs() / (rounding(k) * y.abs().max(1.0)),
         };
         if part > 1.0 || part.is_nan() {
             let what = format!("word {k} of the vertices: {x} ({a:x}) for {y} ({b:x})");
@@ -154,6 +159,16 @@ fn vertices(cpu: &Cpu, gpu: &Frame) -> Result<f32, Trouble> {
         most = most.max(part);
     }
     Ok(most)
+}
+
+/// Whether a word of the vertices is one of a normal or tangent of a displaced surface.
+fn of_slopes(cpu: &Cpu, word: usize) -> bool {
+    let (count, byte) = (cpu.status().vertices, 4 * word as u64);
+    cpu.is_displaced()
+        && cpu.format().places(count)[1..3].iter().flatten().any(|place| {
+            let past = byte.checked_sub(place.offset);
+            past.is_some_and(|past| past % place.stride < place.bytes && past / place.stride < u64::from(count))
+        })
 }
 
 /// Packed words whose parts are but a step apart, as halves or as bytes.

@@ -57,6 +57,8 @@ pub(super) struct Input<'a> {
 pub(super) struct Buffers {
     pub nets: wgpu::Buffer,
     pub topology: wgpu::Buffer,
+    /// Of the placement.
+    pub environment: wgpu::Buffer,
     pub table: wgpu::Buffer,
     pub target: wgpu::Buffer,
     pub outputs: wgpu::Buffer,
@@ -127,6 +129,7 @@ impl Buffers {
         let buffers = Buffers {
             nets: kept(|b| &b.nets, "burgeon control points", size_of_val(input.nets) as u64, written)?,
             topology: kept(|b| &b.topology, "burgeon topology", size_of_val(input.topology) as u64, written)?,
+            environment: kept(|b| &b.environment, "burgeon environment of the placement", 16, uniform)?,
             table: kept(
                 |b| &b.table,
                 "burgeon leaves of the word",

@@ -3,7 +3,7 @@
 use super::super::kernels::{Binding, Bound, Kernel};
 use super::super::{Engine, Error};
 use super::buffers::{Buffers, RANGE_BYTES, Section};
-use crate::codegen::{self, Tessellation};
+use crate::codegen::{self, Shader, Tessellation};
 
 /// One kernel a pass.
 pub(super) struct Kernels {
@@ -16,7 +16,7 @@ pub(super) struct Kernels {
     tally: Kernel,
     afford: Kernel,
     finish: Kernel,
-    vertices: Kernel,
+    pub vertices: Kernel,
     triangles: Kernel,
 }
 
@@ -57,17 +57,19 @@ impl Kernels {
             tally: kernel(&s.tally, &[Slot, Uniform, Read, Read, Read, Read, Written, Written], &["tally"]),
             afford: kernel(&s.afford, &[Slot, Uniform, Uniform, Read, Written, Written], &["afford"]),
             finish: kernel(&s.finish, &[Slot, Uniform, Read, Read, Written, Written, Written], &["finish"]),
-            vertices: kernel(
-                &s.vertices,
-                &[Slot, Uniform, Read, Read, Read, Read, Read, Read, Read, Written],
-                &["vertices"],
-            ),
+            vertices: Kernels::vertices(engine, &s.vertices),
             triangles: kernel(
                 &s.triangles,
                 &[Slot, Uniform, Read, Read, Read, Read, Read, Read, Written, Written],
                 &["triangles"],
             ),
         })
+    }
+
+    /// The kernel of the vertices, of one placement or another.
+    pub fn vertices(engine: &Engine, shader: &Shader) -> Kernel {
+        let bindings = [Slot, Uniform, Read, Read, Read, Read, Read, Read, Read, Written, Uniform];
+        Kernel::with_bindings(engine, shader, &bindings, &["vertices"])
     }
 
     /// Binds the buffers; `now` says whose turn it is.
@@ -146,7 +148,8 @@ impl Kernels {
                     &b.table,
                     &b.marks,
                     &b.offsets,
-                    &b.vertices
+                    &b.vertices,
+                    &b.environment
                 ],
             ),
             triangles: bind(

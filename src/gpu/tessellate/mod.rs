@@ -74,12 +74,14 @@
 mod buffers;
 mod complete;
 mod kernels;
+mod placement;
 mod report;
 
 use super::buffers as reading;
 use super::{Engine, Error};
 use crate::codegen::Tessellation;
 use crate::patch::{Net, Word};
+use crate::plan::Displacement;
 use crate::tessellate::budget::ROUNDS;
 use crate::tessellate::lattice::Node;
 use crate::tessellate::level::Target;
@@ -150,6 +152,7 @@ pub struct Tessellator {
     least: u32,
     frozen: bool,
     report: Report,
+    displacement: Option<Displacement>,
 }
 
 impl Tessellator {
@@ -234,6 +237,7 @@ impl Tessellator {
                 levels: 0,
                 frozen: false,
                 report: Report::new(engine),
+                displacement: None,
             })
         })?;
         tessellator.set_level(level)?;
