@@ -9,6 +9,7 @@ mod invariants;
 mod kernels;
 #[cfg(feature = "gpu")]
 mod mutants;
+mod placement;
 mod sets;
 
 use burgeon::cpu;

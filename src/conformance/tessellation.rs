@@ -8,7 +8,9 @@ use crate::cpu::tessellate::Tessellator as Cpu;
 use crate::gpu::Engine;
 use crate::gpu::tessellate::{Capacity, Frame, Tessellator};
 use crate::io::bpt;
+use crate::language::System;
 use crate::patch::Net;
+use crate::plan::{self, Plan};
 use crate::tessellate::vertex::Normal;
 use crate::tessellate::{Camera, Level, Options};
 
@@ -26,20 +28,34 @@ pub struct Set {
     pub text: &'static str,
     pub rational: bool,
     pub levels: Vec<Level>,
+    /// Rules without an axiom of these patches, whose placement displaces them.
+    pub rules: Option<&'static str>,
 }
 
 /// What the cases are made of.
-pub fn sets() -> [Set; 3] {
+pub fn sets() -> [Set; 4] {
     const TEAPOT: &str = include_str!("../../examples/data/teapot.bpt");
     const SPHERE: &str = include_str!("../../examples/data/sphere.bpt");
     let teapot = [0.05, 0.01].map(Level::world).to_vec();
     let sphere = vec![Level::world(0.02)];
     [
-        Set { name: "teapot", text: TEAPOT, rational: false, levels: teapot },
-        Set { name: "sphere", text: SPHERE, rational: true, levels: sphere },
-        Set { name: "camera", text: TEAPOT, rational: false, levels: moving() },
+        Set { name: "teapot", text: TEAPOT, rational: false, levels: teapot.clone(), rules: None },
+        Set { name: "sphere", text: SPHERE, rational: true, levels: sphere, rules: None },
+        Set { name: "camera", text: TEAPOT, rational: false, levels: moving(), rules: None },
+        Set { name: "displaced", text: TEAPOT, rational: false, levels: teapot, rules: Some(DISPLACED) },
     ]
 }
+
+/// A placement that reads all there is.
+const DISPLACED: &str = "
+system displaced : patch bezier 3
+param height: float = 0.1
+module P
+place d = p + normal * (height * noise(3 * p) + 0.02 * rand(-1, 1))
+  + frame * (scale * (0.02 * sin(tau * uv.x), 0.02 * uv.y, 0.01 * randn())) + (0, 0.01 * float(id), 0)
+run:
+  place d
+";
 
 /// The cases.
 pub fn cases() -> Vec<Case> {
@@ -50,7 +66,7 @@ pub fn cases() -> Vec<Case> {
             let mut all = Compared::default();
             for seams in [false, true] {
                 let options = Options { seams, ..Options::default() };
-                all.add(frames(engine, &nets, &set.levels, &options, stop)?);
+                all.add(frames(engine, &nets, &set, &options, stop)?);
             }
             Ok(all)
         })
@@ -71,16 +87,23 @@ fn moving() -> Vec<Level> {
 fn frames(
     engine: &Engine,
     nets: &[Net],
-    levels: &[Level],
+    set: &Set,
     options: &Options,
     stop: Stop,
 ) -> Result<Compared, Trouble> {
     let mut cpu = Cpu::new(nets, options).map_err(crate::gpu::Error::from)?;
     let room = Capacity::for_vertices(1 << 16);
-    let first = levels.first().ok_or(Trouble::Stopped)?;
+    let first = set.levels.first().ok_or(Trouble::Stopped)?;
     let mut gpu = Tessellator::new(engine, nets, first, options, &room)?;
+    if let Some(rules) = set.rules {
+        let system = System::parse(rules).map_err(|e| Trouble::Differs(e.to_string()))?;
+        let plan = Plan::new(&system).map_err(|e| Trouble::Differs(e.to_string()))?;
+        let values = plan::Options { seed: 5, ..plan::Options::default() };
+        cpu.displace(&plan, &values).map_err(crate::gpu::Error::from)?;
+        gpu.displace(&plan, &values)?;
+    }
     let mut all = Compared::default();
-    for level in levels {
+    for level in &set.levels {
         check(stop)?;
         cpu.run(&level.target().map_err(crate::gpu::Error::from)?);
         gpu.set_level(level)?;

@@ -81,7 +81,7 @@ impl Plan {
     pub fn new(system: &System) -> Result<Plan, Unsupported> {
         Ok(Plan {
             tables: Tables::new(system)?,
-            placement: Placement::new(system),
+            placement: Placement::new(system)?,
             system: Arc::new(system.clone()),
             hole: None,
         })

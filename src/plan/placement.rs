@@ -16,11 +16,11 @@
 
 use super::given::Given;
 use super::graph::{Constants, Graph, Names, NodeId, Subject};
-use super::{Error, Options, Plan, tables};
+use super::{Error, Options, Plan, Unsupported, tables};
 use crate::language::Span;
 use crate::language::expr::{Expr, ExprKind, Type, Value};
 use crate::language::ops;
-use crate::language::system::{StepKind, System};
+use crate::language::system::{Step, StepKind, System};
 use std::sync::Arc;
 
 /// Words of a vertex's record, a multiple of 4.
@@ -32,7 +32,7 @@ pub fn nothing_to_set(name: &str) -> Error {
 }
 
 /// The words of the record that hold an attribute; of a frame its three axes. None for a name that no vertex
-/// knows, which the checker refuses.
+/// knows.
 pub fn words_of(attribute: &str) -> &'static [usize] {
     match attribute {
         "p" | "old" => &[4, 5, 6],
@@ -65,10 +65,18 @@ pub struct Placement {
 }
 
 impl Placement {
-    /// The placement that ends the run of a patch system.
-    pub fn new(system: &System) -> Option<Placement> {
-        let StepKind::Place(index) = system.run.last()?.kind else { return None };
-        let place = system.placements.get(index)?;
+    /// The placement that ends the run of a patch system, if one does; or what it reads that no vertex knows.
+    pub fn new(system: &System) -> Result<Option<Placement>, Unsupported> {
+        let Some(&Step { kind: StepKind::Place(index), .. }) = system.run.last() else { return Ok(None) };
+        let Some(place) = system.placements.get(index) else { return Ok(None) };
+        let mut unknown = None;
+        place.value.walk(&mut |e| match e.kind {
+            ExprKind::Attribute(name) if words_of(name).is_empty() => unknown = Some((name, e.span)),
+            _ => {}
+        });
+        if let Some((name, span)) = unknown {
+            return Err(Unsupported::new(format!("`{name}` in a placement of a patch system"), span));
+        }
         let environment = tables::environment(system);
         let seed = environment.given.end(system.queries.len());
         let mut constants = Constants { base: seed + OWN_WORDS, words: Vec::new() };
@@ -81,11 +89,12 @@ impl Placement {
             site: tables::fnv(place.name.as_bytes()),
             constants: &mut constants,
         };
-        let offset = offset_of(&place.value).unwrap_or_else(|| vectors("-", place.value.clone(), position(&place.value)));
-        let offset: [NodeId; 3] = graph.lower(&offset, &mut names).try_into().ok()?;
+        let whole = || vectors("-", place.value.clone(), position(&place.value));
+        let offset = graph.lower(&offset_of(&place.value).unwrap_or_else(whole), &mut names);
+        let offset = std::array::from_fn(|k| offset[k]);
         graph.settle(&mut constants);
         let (name, on, span) = (place.name.clone(), place.on.clone(), place.span);
-        Some(Placement { name, on, span, graph, offset, seed, constants })
+        Ok(Some(Placement { name, on, span, graph, offset, seed, constants }))
     }
 
     /// Words of the environment, a multiple of 4.

@@ -95,23 +95,25 @@ pub fn stencil(t: f32) -> [(f32, f32); 3] {
     }
 }
 
-/// The mean of normals, each turned to the side of the first.
+/// The mean of the normals of several patches, each turned to the side of the first: by the smooth ones, since,
+/// displaced, both sides of a groove may face each other.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Mean {
-    first: Option<Vec3>,
+    /// Smooth, and displaced.
+    first: Option<[Vec3; 2]>,
     sum: Vec3,
 }
 
 impl Mean {
-    pub fn add(&mut self, normal: Vec3) {
-        let first = *self.first.get_or_insert(normal);
-        self.sum += if dot(normal, first) < 0.0 { -normal } else { normal };
+    pub fn add(&mut self, smooth: Vec3, displaced: Vec3) {
+        let [first, _] = *self.first.get_or_insert([smooth, displaced]);
+        self.sum += if dot(smooth, first) < 0.0 { -displaced } else { displaced };
     }
 
     /// The first where they cancel.
     pub fn unit(&self) -> Vec3 {
         let size = length(self.sum);
-        if size > 0.0 { self.sum / size } else { self.first.unwrap_or(Vec3::Z) }
+        if size > 0.0 { self.sum / size } else { self.first.map_or(Vec3::Z, |[_, displaced]| displaced) }
     }
 }
 
@@ -184,11 +186,16 @@ mod tests {
     #[test]
     fn a_mean_is_turned_to_its_first() {
         let mut mean = Mean::default();
-        mean.add(Vec3::X);
-        mean.add(-Vec3::X);
+        mean.add(Vec3::X, Vec3::X);
+        mean.add(-Vec3::X, -Vec3::X);
         assert_eq!(mean.unit(), Vec3::X);
-        mean.add(Vec3::new(0.0, 2.0, 0.0));
+        mean.add(Vec3::Y, 2.0 * Vec3::Y);
         assert_eq!(mean.unit(), Vec3::new(1.0, 1.0, 0.0) / 2f32.sqrt());
+        // Both sides of a groove.
+        let mut groove = Mean::default();
+        groove.add(Vec3::Z, Vec3::new(0.8, 0.0, 0.6));
+        groove.add(Vec3::Z, Vec3::new(-0.8, 0.0, 0.6));
+        assert_eq!(groove.unit(), Vec3::Z);
         assert_eq!(Mean::default().unit(), Vec3::Z);
     }
 }

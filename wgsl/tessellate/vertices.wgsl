@@ -128,6 +128,7 @@ fn write_vertex(v: u32, root: u32, p: vec2u, symbol: u32) {
     placed = bitcast<vec3f>(record.q1.xyz) + placement(record) + vec3f(0.0);
   }
   var own = vec3f(0.0);
+  var first = vec3f(0.0);
   var sum = vec3f(0.0);
   var position = vec3f(0.0);
   var along_x = vec3f(0.0);
@@ -139,22 +140,20 @@ fn write_vertex(v: u32, root: u32, p: vec2u, symbol: u32) {
     }
     load_net(place.root);
     let found = normal_at(place.p);
-    var face = Face(
-      select(found.normal, -found.normal, mirrors(place.root)),
-      found.sample.du,
-      found.sample.dv,
-    );
+    let n = select(found.normal, -found.normal, mirrors(place.root));
+    var face = Face(n, found.sample.du, found.sample.dv);
     if moves && (NORMAL != 0u || TANGENT != 0u) {
-      face = placed_face(record.q0.yzw, place.root, place.p, found.sample, face.normal, placed);
+      face = placed_face(record.q0.yzw, place.root, place.p, found.sample, n, placed);
     }
-    let n = face.normal;
     if k == 0u {
       own = n;
+      first = face.normal;
       position = position_at(p, found.sample.position);
       along_x = face.du;
       along_y = face.dv;
     }
-    sum += select(n, -n, product_of(n, own) < 0.0);
+    // By the smooth ones: displaced, both sides of a groove may face each other.
+    sum += select(face.normal, -face.normal, product_of(n, own) < 0.0);
   }
   if moves {
     position = placed;
@@ -171,7 +170,7 @@ fn write_vertex(v: u32, root: u32, p: vec2u, symbol: u32) {
   }
   if NORMAL != 0u || TANGENT != 0u {
     let total = length_of(sum);
-    var normal = own;
+    var normal = first;
     if patches > 1u && total > 0.0 {
       normal = sum / total;
     }

@@ -158,7 +158,7 @@ impl Surface<'_> {
         self.tree.sharing(root, p, |r, q, _| {
             let net = if owner.is_none() { &mut *first } else { &mut *others };
             let (normal, sample) = self.normal_at(net, r, q);
-            mean.add(normal);
+            mean.add(normal, normal);
             owner.get_or_insert((r, q, normal, sample));
         });
         // A point is shared by its own patch at least.
@@ -251,7 +251,7 @@ impl Surface<'_> {
                 Some(normal) => normal,
                 None => face.normal,
             };
-            mean.add(normal);
+            mean.add(face.normal, normal);
             first.get_or_insert((normal, orientation, Sample { position: vertex.position, du, dv }));
         }
         if let Some((normal, orientation, sample)) = first {
