@@ -51,6 +51,7 @@ fn chosen() -> Vec<Case> {
         "elementary functions",
         "random numbers",
         "tessellation camera",
+        "tessellation displaced",
     ];
     let cases: Vec<Case> =
         conformance::cases().into_iter().filter(|c| names.contains(&c.name.as_str())).collect();

@@ -5,8 +5,8 @@ use super::{Failure, counted, flags, print, say};
 use burgeon::codegen::{self, Tessellation, Tuning};
 use burgeon::language::system::{Axiom, System};
 use burgeon::language::{Diagnostic, Severity};
-use burgeon::plan::{Placement, Plan};
 use burgeon::plan::derive::StageId;
+use burgeon::plan::{Placement, Plan};
 
 /// Everything that is wrong with a rule file.
 pub fn check(flags: &flags::Check) -> Result<(), Failure> {

@@ -51,8 +51,8 @@ const DISPLACED: &str = "
 system displaced : patch bezier 3
 param height: float = 0.1
 module P
-place d = p + normal * (height * noise(3 * p) + 0.02 * rand(-1, 1))
-  + frame * (scale * (0.02 * sin(tau * uv.x), 0.02 * uv.y, 0.01 * randn())) + (0, 0.01 * float(id), 0)
+place d = p + (normal * (height * noise(3 * p) + 0.02 * rand(-1, 1))
+  + frame * (scale * (0.02 * sin(tau * uv.x), 0.02 * uv.y, 0.01 * randn())) + (0, 0.01 * float(id), 0))
 run:
   place d
 ";
@@ -190,7 +190,9 @@ fn of_slopes(cpu: &Cpu, word: usize) -> bool {
     cpu.is_displaced()
         && cpu.format().places(count)[1..3].iter().flatten().any(|place| {
             let past = byte.checked_sub(place.offset);
-            past.is_some_and(|past| past % place.stride < place.bytes && past / place.stride < u64::from(count))
+            past.is_some_and(|past| {
+                past % place.stride < place.bytes && past / place.stride < u64::from(count)
+            })
         })
 }
 

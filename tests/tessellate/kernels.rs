@@ -78,7 +78,8 @@ fn the_kernel_of_a_placement_translates_and_keeps_to_default_limits() {
             let options = Options { format: formats()[k], seams: n == k };
             let what = Tessellation { degree, rational: k == 1, word: n == 2, options };
             let tuning = if n == 1 { Tuning::GPU } else { Tuning::CPU_DRIVER };
-            let shader = burgeon::codegen::vertices(&what, Some(&placement), &tuning, None).expect("a kernel");
+            let shader =
+                burgeon::codegen::vertices(&what, Some(&placement), &tuning, None).expect("a kernel");
             assert_within_default_limits(&shader);
             assert_translates(&shader, &format!("{what:?}"));
         }

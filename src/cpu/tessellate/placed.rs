@@ -114,7 +114,10 @@ struct Probe {
 impl Surface<'_> {
     /// The vertices of some leaves.
     fn block(&self, work: &mut Work, nodes: Range<usize>, trees: &Trees) -> Vec<Vertex> {
-        (work.waiting.clear(), work.faces.clear(), work.probes.clear(), work.records.clear());
+        work.waiting.clear();
+        work.faces.clear();
+        work.probes.clear();
+        work.records.clear();
         for node in nodes {
             each(self.tree, node as u32, trees.marks[node], |root, p, symbol| {
                 self.gather(work, root, p, symbol);
@@ -257,7 +260,8 @@ impl Surface<'_> {
         if let Some((normal, orientation, sample)) = first {
             vertex.normal = if self.tree.shared && on_side(point) { mean.unit() } else { normal };
             let tangents = self.format.tangent.is_some();
-            vertex.tangent = crate::tessellate::vertices::tangent(orientation, &sample, vertex.normal, tangents);
+            vertex.tangent =
+                crate::tessellate::vertices::tangent(orientation, &sample, vertex.normal, tangents);
         }
         vertex
     }

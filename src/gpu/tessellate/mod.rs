@@ -67,6 +67,10 @@
 //!   flickers at the limit.
 //! - **[Freezing](Tessellator::freeze)** keeps the triangles as they are while the camera goes on, to look
 //!   at them from the side; points may still move.
+//! - **Displacement**: [`Tessellator::displace`] moves the vertices by the `place` that ends the run of a system
+//!   ([reference](crate::language#displacement)), and [`Tessellator::set_params`] gives its params other values from
+//!   frame to frame. Tolerances bound the smooth surface: where the displacement is finer, raise the least
+//!   [`Level::depth`]. Packed positions are shares of a box that must hold the displaced surface.
 //! - **Seams**: patches share the vertices of their common curves, with the normal and uv of one of them.
 //!   Where each is to have its own, as a texture or a crease wants, take [`Options::seams`]; positions are
 //!   then equal to the bit, and there is still no crack.

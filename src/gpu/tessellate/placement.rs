@@ -1,8 +1,8 @@
 //! A tessellation displaced by the placement of a plan.
 
 use super::super::{Engine, Error};
-use super::kernels::Kernels;
 use super::Tessellator;
+use super::kernels::Kernels;
 use crate::codegen;
 use crate::language::Value;
 use crate::plan::{self, Displacement, Plan, placement};

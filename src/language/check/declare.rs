@@ -316,8 +316,8 @@ impl<'a> Checker<'a> {
             let Item::Place(place) = item else { continue };
             let on = place.on.iter().filter_map(|symbol| self.symbol(symbol)).collect();
             let mut scope = Scope::new(Where::Place);
-            let value =
-                self.expr(&mut scope, &place.value, &Type::Vec3, || "`place` gives a position, a vec3".into());
+            let value = self
+                .expr(&mut scope, &place.value, &Type::Vec3, || "`place` gives a position, a vec3".into());
             let (name, span) = (place.name.text.clone(), place.name.span);
             placements.extend(value.map(|value| Placement { name, on, value, span }));
         }

@@ -39,9 +39,7 @@ impl<'a> Checker<'a> {
             };
         }
         let seen = |place: Where, kind, in_slot| {
-            move |a: &&Attribute| {
-                a.name == name && place.sees(a.of, kind, in_slot)
-            }
+            move |a: &&Attribute| a.name == name && place.sees(a.of, kind, in_slot)
         };
         if let Some(attribute) =
             self.vocabulary.attributes.iter().find(seen(scope.place, self.kind, scope.in_slot))
