@@ -36,7 +36,8 @@ pub fn degree(system: &System) -> Result<[u8; 2], Unsupported> {
 fn steps(run: &[Step]) -> Result<(), Unsupported> {
     for step in run {
         match &step.kind {
-            StepKind::Derive { .. } => {}
+            // That a placement stands last the checker has seen to.
+            StepKind::Derive { .. } | StepKind::Place(_) => {}
             StepKind::Repeat { body, .. } | StepKind::If { body, .. } => steps(body)?,
             StepKind::Other(name) => {
                 return Err(Unsupported::new(format!("`{name}` in a patch system"), step.span));
