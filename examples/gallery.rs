@@ -79,6 +79,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         studio.tessellate(&format!("tessellate_{name}"), &teapot, tolerance)?;
     }
 
+    // The same, displaced.
+    studio.displace("quilted", Level { depth: 6..=12, ..Level::world(0.001) })?;
+
     // The teapot with the borders of its leaves, and as lace.
     let word = studio.derive("teapot", &[])?;
     let lines = grid::borders(&word, GRID)?;
@@ -130,22 +133,24 @@ impl Studio {
         system: Option<&str>,
         options: Options,
     ) -> Result<Word, Box<dyn Error>> {
-        let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
-        let file = examples.join(name).with_extension("burgeon");
-        let text = std::fs::read_to_string(&file)?;
-        let checked = compile(&text, &Vocabulary::default());
-        if checked.has_errors() {
-            let file = file.display().to_string();
-            return Err(diagnostic::render(&checked.diagnostics, &file, &text, false).into());
-        }
-        let wanted = |s: &&System| system.is_none_or(|name| s.name == name);
-        let system = checked.systems.iter().rfind(wanted).ok_or("no system of that name")?;
-        let plan = Plan::new(system)?;
-        let nets = NetOptions { rational: plan.rational(), bspline: true };
-        let axiom = Axiom::load(&plan.system, &mut |file| read_nets(examples.join(file), nets))?;
+        let (plan, axiom) = load(name, system)?;
         let (word, _) = gpu::derive(&self.engine, &plan, &axiom, &options)?;
         println!("{name}: {} steps, {} patches", word.steps, word.modules.len());
         Ok(word)
+    }
+
+    /// Tessellates the word of a rule file, displaced by its placement, and writes the picture.
+    fn displace(&self, name: &str, level: Level) -> Result<(), Box<dyn Error>> {
+        let (plan, axiom) = load(name, None)?;
+        let (word, _) = gpu::derive(&self.engine, &plan, &axiom, &Options::default())?;
+        let nets: Vec<Net> = axiom.roots.into_iter().map(|root| root.net).collect();
+        let (options, room) = (tessellate::Options::default(), Capacity::for_vertices(1 << 17));
+        let mut tessellator =
+            Tessellator::of_word(&self.engine, &nets, &word, plan.hole, &level, &options, &room)?;
+        tessellator.displace(&plan, &Options::default())?;
+        let mesh = tessellator.complete()?.mesh;
+        println!("{name}: {} triangles", mesh.triangles().len());
+        self.render(name, &mesh, picture())
     }
 
     /// Tessellates the nets within the tolerance, and writes the picture with the edges of all triangles.
@@ -178,4 +183,22 @@ impl Studio {
         println!("  {}", path.display());
         Ok(())
     }
+}
+
+/// A rule file of this folder: the plan of one of its systems, the last if none is named, and its axiom.
+fn load(name: &str, system: Option<&str>) -> Result<(Plan, Axiom), Box<dyn Error>> {
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    let file = examples.join(name).with_extension("burgeon");
+    let text = std::fs::read_to_string(&file)?;
+    let checked = compile(&text, &Vocabulary::default());
+    if checked.has_errors() {
+        let file = file.display().to_string();
+        return Err(diagnostic::render(&checked.diagnostics, &file, &text, false).into());
+    }
+    let wanted = |s: &&System| system.is_none_or(|name| s.name == name);
+    let system = checked.systems.iter().rfind(wanted).ok_or("no system of that name")?;
+    let plan = Plan::new(system)?;
+    let nets = NetOptions { rational: plan.rational(), bspline: true };
+    let axiom = Axiom::load(&plan.system, &mut |file| read_nets(examples.join(file), nets))?;
+    Ok((plan, axiom))
 }

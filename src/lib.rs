@@ -67,6 +67,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! A system that ends with `place NAME` says where the vertices of that mesh go, as
+//! [displacement](language#displacement): [`surface.displace(&plan, &options)`](cpu::tessellate::Tessellator::displace)
+//! before it is run.
+//!
 //! Nets without rules are tessellated by [`Tessellator::new`](cpu::tessellate::Tessellator::new).
 //!
 //! # The same, on a GPU

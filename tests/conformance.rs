@@ -52,6 +52,7 @@ fn chosen() -> Vec<Case> {
         "random numbers",
         "tessellation camera",
         "tessellation of rules",
+        "tessellation displaced",
     ];
     let cases: Vec<Case> =
         conformance::cases().into_iter().filter(|c| names.contains(&c.name.as_str())).collect();

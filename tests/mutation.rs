@@ -425,7 +425,9 @@ fn every_file_has_mutants() {
             let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
             // What measures a device derives nothing, and the picture has tests of its own.
             let other = ["copy", "expand", "picture", "shared", "tessellate"].contains(&name.as_str());
-            let count = all.iter().filter(|m| m.0 == name).count();
+            let count = all.iter().filter(|m| m.0 == name).count()
+                + crate::runs::mutants_of(&name)
+                + crate::curves::mutants_of(&name);
             assert!(other || count >= 2, "{} has {count} mutants", path.display());
         }
     }

@@ -299,12 +299,13 @@ fn operations_run_in_rules_where_the_page_says_so() {
     }
 }
 
-const OWNERS: [(Owner, &str); 6] = [
+const OWNERS: [(Owner, &str); 7] = [
     (Owner::Rule, "All rules"),
     (Owner::Patch, "Rules and queries of patch systems"),
     (Owner::Face, "Rules, queries and `mark` of mesh systems"),
     (Owner::Slot, "Slots of templates"),
-    (Owner::Place, "`place`"),
+    (Owner::Place, "`place` of mesh systems"),
+    (Owner::Displacement, "`place` of patch systems"),
     (Owner::Edge, "`crease`"),
 ];
 

@@ -225,6 +225,7 @@ const MUTANTS: &[(&str, &str, &str)] = &[
     ("proceed", "workgroups(total, EMIT_NETS)", "workgroups(total / 2u, EMIT_NETS)"),
     ("match_modules", "extent.halted == 0u", "true"),
     ("workgroups", "invocations + workgroup - 1u", "invocations"),
+    ("workgroups", "min(groups, ALONG_X)", "min(groups, 1u)"),
 ];
 
 #[test]
@@ -277,4 +278,9 @@ fn every_mutant_of_the_recording_is_seen() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// How many mutants of a file are here.
+pub fn mutants_of(file: &str) -> usize {
+    MUTANTS.iter().filter(|m| m.0 == file).count()
 }

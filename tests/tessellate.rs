@@ -9,6 +9,7 @@ mod invariants;
 mod kernels;
 #[cfg(feature = "gpu")]
 mod mutants;
+mod placement;
 #[cfg(feature = "gpu")]
 mod rules;
 mod sets;

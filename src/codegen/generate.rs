@@ -4,6 +4,7 @@ use crate::language::Span;
 use crate::plan::code::{ChildCode, RuleCode};
 use crate::plan::graph::{Graph, Node, NodeId, Scalar};
 use crate::plan::layout::Layout;
+use crate::plan::placement::Placement;
 use crate::plan::tables::{MatchRule, Production, Stage};
 use std::collections::HashMap;
 
@@ -160,6 +161,27 @@ fn child(text: &mut Text, p: &Production, code: &ChildCode, cell: usize, symbol:
         let target = lane(at).replacen('m', "r", 1);
         text.of_rule(format!("      {target} = {};", values.word(node)), p.span);
     }
+}
+
+/// `placement(m)`: what is added to the smooth position of a record, and `placed_symbol`: the leaves between which vertices are
+/// moved. Without a placement nobody asks.
+pub fn placement(placement: Option<&Placement>) -> Text {
+    let mut text = Text::default();
+    text.line("fn placement(m: Record) -> vec3f {");
+    match placement {
+        None => text.line("  return vec3f(0.0);"),
+        Some(p) => {
+            let values = Values::new(&mut text, &p.graph, p.offset.into_iter(), "  ", p.span);
+            let [x, y, z] = p.offset.map(|id| values.text(id));
+            text.of_rule(format!("  return vec3f({x}, {y}, {z});"), p.span);
+        }
+    }
+    text.line("}");
+    let on = placement.map_or(&[][..], |p| &p.on);
+    let tests: Vec<String> = on.iter().map(|symbol| format!("symbol == {symbol}u")).collect();
+    let any = if tests.is_empty() { "true".to_string() } else { tests.join(" || ") };
+    text.line(format!("fn placed_symbol(symbol: u32) -> bool {{ return {any}; }}"));
+    text
 }
 
 /// The nodes of a graph as expressions: those used more than once are named.

@@ -60,6 +60,7 @@ const FILES: &[(&str, &str)] = files![
     "tessellate/shared/control"
     "tessellate/shared/hash"
     "tessellate/shared/lattice"
+    "tessellate/shared/placement"
     "tessellate/shared/source"
     "tessellate/shared/surface"
     "tessellate/shared/table"

@@ -9,7 +9,7 @@ mod tessellation;
 
 #[doc(hidden)]
 pub use link::{Edit, GENERATED};
-pub use tessellation::{Tessellation, TessellationShaders, tessellation, tessellation_edited};
+pub use tessellation::{Tessellation, TessellationShaders, tessellation, tessellation_edited, vertices};
 
 use crate::language::Span;
 use crate::plan::Plan;

@@ -1,6 +1,8 @@
 //! The kernels of a tessellation.
 
-use super::{Edit, Error, Shader, Tuning, build, generate::Text, scan_constants};
+use super::generate::{self, Text};
+use super::{Edit, Error, Shader, Tuning, build, scan_constants};
+use crate::plan::placement::Placement;
 use crate::tessellate::Options;
 use crate::tessellate::vertex::{Normal, Position, Tangent, Uv};
 
@@ -57,13 +59,31 @@ pub fn tessellation_edited(
         tally: kernel("tally")?,
         afford: kernel("afford")?,
         finish: kernel("finish")?,
-        vertices: kernel("vertices")?,
+        vertices: vertices(what, None, tuning, edit)?,
         triangles: kernel("triangles")?,
         derived: match what.derived {
             true => Some([kernel("recall")?, kernel("adopt")?, kernel("enter")?]),
             false => None,
         },
     })
+}
+
+/// Links and validates the kernel of the vertices, which go where the placement says.
+pub fn vertices(
+    what: &Tessellation,
+    placement: Option<&Placement>,
+    tuning: &Tuning,
+    edit: Option<&Edit>,
+) -> Result<Shader, Error> {
+    let on = placement.is_some_and(|p| !p.on.is_empty());
+    let constants = format!(
+        "{}const PLACED = {};\nconst PLACED_ON = {on};\nconst ENVIRONMENT_QUADS = {}u;\nconst SEED = {}u;\n",
+        constants(what, tuning),
+        placement.is_some(),
+        placement.map_or(1, |p| p.environment_words() / 4),
+        placement.map_or(0, |p| p.seed),
+    );
+    build("vertices", &constants, generate::placement(placement), edit)
 }
 
 fn constants(what: &Tessellation, tuning: &Tuning) -> String {

@@ -3,7 +3,7 @@
 use super::load::{self, Job, size};
 use super::progress::Bar;
 use super::tessellate::{self, Work};
-use super::{Failure, counted, flags, output, print, stop};
+use super::{Failure, counted, flags, output, print, say, stop};
 use burgeon::cpu::Cpu;
 use burgeon::patch::{self, Net};
 use burgeon::plan::derive::{self, StepStats};
@@ -28,6 +28,12 @@ pub fn run(flags: &flags::Run) -> Result<(), Failure> {
         )));
     }
     let job = load::job(&flags.derive, watertight)?;
+    if let (false, Some(placement)) = (watertight, &job.plan.placement) {
+        say(&format!(
+            "note: `place {}` displaces the mesh that --tolerance makes; without it nothing is displaced",
+            placement.name
+        ));
+    }
     let nets: Vec<Net> = if watertight { job.nets() } else { Vec::new() };
     let level = tessellate::level(&flags.fineness, &flags.derive.view, flags.drawing.up, &nets)?;
     stop::watch();
@@ -42,7 +48,8 @@ pub fn run(flags: &flags::Run) -> Result<(), Failure> {
     let device = derived.device.as_ref();
     let mut surface = watertight.then(|| {
         let hole = job.plan.hole;
-        let work = Work { nets: &nets, word: Some((&derived.word, hole)), level: &level };
+        let placement = Some((&job.plan, &options));
+        let work = Work { nets: &nets, word: Some((&derived.word, hole)), placement, level: &level };
         tessellate::make(&work, device, &flags.derive.machine, &bar)
     });
     if let Some(hole) = job.plan.hole {

@@ -2,11 +2,11 @@
 
 use super::load::{self, AxiomError, Source};
 use super::{Failure, counted, flags, print, say};
-use burgeon::codegen::{self, Tuning};
+use burgeon::codegen::{self, Tessellation, Tuning};
 use burgeon::language::system::{Axiom, System};
 use burgeon::language::{Diagnostic, Severity};
-use burgeon::plan::Plan;
 use burgeon::plan::derive::{StageId, Start};
+use burgeon::plan::{Placement, Plan};
 
 /// Everything that is wrong with a rule file.
 pub fn check(flags: &flags::Check) -> Result<(), Failure> {
@@ -51,6 +51,11 @@ fn compiled(source: &Source, system: &System) -> Result<String, Wrong> {
             return Err(Wrong::Rules(Diagnostic::error("E0403", span, e.to_string())));
         }
     }
+    if let Some(placement) = &plan.placement
+        && let Err(e) = vertices(&plan, placement)
+    {
+        return Err(Wrong::Rules(Diagnostic::error("E0403", placement.span, e.to_string())));
+    }
     if matches!(system.axiom, Axiom::None) {
         return Ok("checked and compiled; `run` needs an axiom".to_string());
     }
@@ -69,7 +74,14 @@ fn stages(plan: &Plan) -> Vec<StageId> {
         .collect()
 }
 
-/// The WGSL of every stage, then of the kernels that know only the layout.
+/// The kernel of the vertices that the placement displaces.
+fn vertices(plan: &Plan, placement: &Placement) -> Result<codegen::Shader, codegen::Error> {
+    let (degree, rational) = (plan.tables.layout.degree, plan.rational());
+    let what = Tessellation { degree, rational, word: true, derived: false, options: Default::default() };
+    codegen::vertices(&what, Some(placement), &Tuning::GPU, None)
+}
+
+/// The WGSL of every stage and of the placement, then of the kernels that know only the layout.
 pub fn wgsl(flags: &flags::Wgsl) -> Result<(), Failure> {
     let source = Source::read(&flags.system.file)?;
     source.refuse_errors()?;
@@ -91,6 +103,10 @@ pub fn wgsl(flags: &flags::Wgsl) -> Result<(), Failure> {
         for shader in all {
             add(title.clone(), shader);
         }
+    }
+    if let Some(placement) = &plan.placement {
+        let shader = vertices(&plan, placement).map_err(failed)?;
+        add(format!("of {}, place {}", system.name, placement.name), &shader);
     }
     let shared = codegen::shared(&plan.tables.layout, &Tuning::GPU).map_err(failed)?;
     for shader in [&shared.scan, &shared.compact, &shared.retire] {

@@ -7,6 +7,7 @@ use super::run::{self, Device, milliseconds};
 use super::{Failure, counted, flags, output, print, say, stop};
 use burgeon::cpu::tessellate as cpu;
 use burgeon::patch::{Net, Word};
+use burgeon::plan::{self, Plan};
 use burgeon::tessellate::lattice::MAX_DEPTH;
 use burgeon::tessellate::level::LEAST_TOLERANCE;
 use burgeon::tessellate::{Complete, Level, Measure, Options, Topology};
@@ -17,6 +18,8 @@ pub struct Work<'a> {
     pub nets: &'a [Net],
     /// A word over these nets, and the symbol of its holes; else each net is one cell.
     pub word: Option<(&'a Word, Option<usize>)>,
+    /// What displaces it, with its values.
+    pub placement: Option<(&'a Plan, &'a plan::Options<'a>)>,
     pub level: &'a Level,
 }
 
@@ -66,7 +69,7 @@ pub fn tessellate(flags: &flags::Tessellate) -> Result<(), Failure> {
         };
         say(&format!("note: --tolerance {shown}, a thousandth of the model's diagonal"));
     }
-    let work = Work { nets: &nets, word: None, level: &level };
+    let work = Work { nets: &nets, word: None, placement: None, level: &level };
     let mut surface = make(&work, device.as_ref(), &flags.machine, &bar);
     let shape = match &mut surface {
         Ok(surface) => Ok(shape(surface, false, &targets)),
@@ -209,6 +212,9 @@ fn on_gpu(work: &Work, device: &Device, bar: &Bar) -> Result<Complete, String> {
     };
     let made = tessellator.and_then(|mut tessellator| {
         say_how_they_meet(tessellator.topology(), bar);
+        if let Some((plan, options)) = work.placement {
+            tessellator.displace(plan, options)?;
+        }
         tessellator.complete()
     });
     made.map_err(|e| match e {
@@ -222,16 +228,20 @@ fn on_gpu(work: &Work, device: &Device, bar: &Bar) -> Result<Complete, String> {
 fn on_cpu(work: &Work, machine: &flags::Machine, bar: &Bar) -> Result<Complete, String> {
     let threads = rayon::ThreadPoolBuilder::new().num_threads(machine.threads as usize).build();
     let threads = threads.map_err(|e| format!("the CPU backend could not start its threads: {e}"))?;
+    let options = Options::default();
+    let mut tessellator = match work.word {
+        Some((word, hole)) => {
+            cpu::Tessellator::of_word(work.nets, word, hole, &options).map_err(|e| e.to_string())?
+        }
+        None => cpu::Tessellator::new(work.nets, &options).map_err(|e| e.to_string())?,
+    };
+    say_how_they_meet(tessellator.topology(), bar);
+    if let Some((plan, options)) = work.placement {
+        tessellator.displace(plan, options).map_err(|e| e.to_string())?;
+    }
+    let level = work.level;
     threads.install(|| {
-        let options = Options::default();
-        let mut tessellator = match work.word {
-            Some((word, hole)) => {
-                cpu::Tessellator::of_word(work.nets, word, hole, &options).map_err(|e| e.to_string())?
-            }
-            None => cpu::Tessellator::new(work.nets, &options).map_err(|e| e.to_string())?,
-        };
-        say_how_they_meet(tessellator.topology(), bar);
-        let target = work.level.target().map_err(|e| e.to_string())?;
+        let target = level.target().map_err(|e| e.to_string())?;
         let budget = machine.max_memory.unwrap_or_else(load::half_of_memory);
         tessellator.run_within(&target, budget, &stop::STOP).map_err(|e| match e {
             cpu::Error::Memory { nodes, budget } => {

@@ -17,6 +17,10 @@ use crate::tessellate::{Camera, Level, Options};
 /// How far two floats of a vertex may be apart, beside the larger of 1 and their size.
 pub const ROUNDING: f32 = 1e-5;
 
+/// The same for normals and tangents that come of differences over a 2048th of a side, as those of a displaced
+/// surface do.
+pub const SLOPE_ROUNDING: f32 = 2e-3;
+
 /// Patches, and the levels of the frames that are made of them.
 pub struct Set {
     pub name: &'static str,
@@ -24,18 +28,21 @@ pub struct Set {
     pub text: &'static str,
     pub rational: bool,
     pub levels: Vec<Level>,
+    /// Rules without an axiom of these patches, whose placement displaces them.
+    pub rules: Option<&'static str>,
 }
 
 /// What the cases are made of.
-pub fn sets() -> [Set; 3] {
+pub fn sets() -> [Set; 4] {
     const TEAPOT: &str = include_str!("../../examples/data/teapot.bpt");
     const SPHERE: &str = include_str!("../../examples/data/sphere.bpt");
     let teapot = [0.05, 0.01].map(Level::world).to_vec();
     let sphere = vec![Level::world(0.02)];
     [
-        Set { name: "teapot", text: TEAPOT, rational: false, levels: teapot },
-        Set { name: "sphere", text: SPHERE, rational: true, levels: sphere },
-        Set { name: "camera", text: TEAPOT, rational: false, levels: moving() },
+        Set { name: "teapot", text: TEAPOT, rational: false, levels: teapot.clone(), rules: None },
+        Set { name: "sphere", text: SPHERE, rational: true, levels: sphere, rules: None },
+        Set { name: "camera", text: TEAPOT, rational: false, levels: moving(), rules: None },
+        Set { name: "displaced", text: TEAPOT, rational: false, levels: teapot, rules: Some(DISPLACED) },
     ]
 }
 
@@ -100,6 +107,17 @@ fn of_rules() -> Case {
     })
 }
 
+/// A placement that reads all there is.
+const DISPLACED: &str = "
+system displaced : patch bezier 3
+param height: float = 0.1
+module P
+place d = p + (normal * (height * noise(3 * p) + 0.02 * rand(-1, 1))
+  + frame * (scale * (0.02 * sin(tau * uv.x), 0.02 * uv.y, 0.01 * randn())) + (0, 0.01 * float(id), 0))
+run:
+  place d
+";
+
 /// The cases.
 pub fn cases() -> Vec<Case> {
     let case = |set: Set| {
@@ -109,7 +127,7 @@ pub fn cases() -> Vec<Case> {
             let mut all = Compared::default();
             for seams in [false, true] {
                 let options = Options { seams, ..Options::default() };
-                all.add(frames(engine, &nets, &set.levels, &options, stop)?);
+                all.add(frames(engine, &nets, &set, &options, stop)?);
             }
             Ok(all)
         })
@@ -130,16 +148,23 @@ fn moving() -> Vec<Level> {
 fn frames(
     engine: &Engine,
     nets: &[Net],
-    levels: &[Level],
+    set: &Set,
     options: &Options,
     stop: Stop,
 ) -> Result<Compared, Trouble> {
     let mut cpu = Cpu::new(nets, options).map_err(crate::gpu::Error::from)?;
     let room = Capacity::for_vertices(1 << 16);
-    let first = levels.first().ok_or(Trouble::Stopped)?;
+    let first = set.levels.first().ok_or(Trouble::Stopped)?;
     let mut gpu = Tessellator::new(engine, nets, first, options, &room)?;
+    if let Some(rules) = set.rules {
+        let system = System::parse(rules).map_err(|e| Trouble::Differs(e.to_string()))?;
+        let plan = Plan::new(&system).map_err(|e| Trouble::Differs(e.to_string()))?;
+        let values = plan::Options { seed: 5, ..plan::Options::default() };
+        cpu.displace(&plan, &values).map_err(crate::gpu::Error::from)?;
+        gpu.displace(&plan, &values)?;
+    }
     let mut all = Compared::default();
-    for level in levels {
+    for level in &set.levels {
         check(stop)?;
         cpu.run(&level.target().map_err(crate::gpu::Error::from)?);
         gpu.set_level(level)?;
@@ -194,6 +219,7 @@ fn vertices(cpu: &Cpu, gpu: &Frame) -> Result<f32, Trouble> {
         return Err(Trouble::Differs(format!("{found} words of vertices for {wanted}")));
     }
     let packed = cpu.format().normal == Some(Normal::Octahedral);
+    let rounding = |word: usize| if of_slopes(cpu, word) { SLOPE_ROUNDING } else { ROUNDING };
     let mut most = 0.0f32;
     for (k, (&a, &b)) in gpu.vertices.iter().zip(wanted).enumerate() {
         let (x, y) = (f32::from_bits(a), f32::from_bits(b));
@@ -208,7 +234,7 @@ fn vertices(cpu: &Cpu, gpu: &Frame) -> Result<f32, Trouble> {
             }
             // A small integer is a float that is nearly 0.
             false if !x.is_normal() && x != 0.0 => f32::INFINITY,
-            false => (x - y).abs() / (ROUNDING * y.abs().max(1.0)),
+            false => (x - y).abs() / (rounding(k) * y.abs().max(1.0)),
         };
         if part > 1.0 || part.is_nan() {
             let what = format!("word {k} of the vertices: {x} ({a:x}) for {y} ({b:x})");
@@ -217,6 +243,18 @@ fn vertices(cpu: &Cpu, gpu: &Frame) -> Result<f32, Trouble> {
         most = most.max(part);
     }
     Ok(most)
+}
+
+/// Whether a word of the vertices is one of a normal or tangent of a displaced surface.
+fn of_slopes(cpu: &Cpu, word: usize) -> bool {
+    let (count, byte) = (cpu.status().vertices, 4 * word as u64);
+    cpu.is_displaced()
+        && cpu.format().places(count)[1..3].iter().flatten().any(|place| {
+            let past = byte.checked_sub(place.offset);
+            past.is_some_and(|past| {
+                past % place.stride < place.bytes && past / place.stride < u64::from(count)
+            })
+        })
 }
 
 /// Packed words whose parts are but a step apart, as halves or as bytes.

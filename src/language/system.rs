@@ -22,6 +22,8 @@ pub struct System {
     pub axiom: Axiom,
     /// The unnamed group has the empty name.
     pub groups: Vec<Group>,
+    /// What [`StepKind::Place`] counts.
+    pub placements: Vec<Placement>,
     pub run: Vec<Step>,
     /// What was written, for messages and for the parts of the language that later passes read.
     pub source: Arc<syntax::System>,
@@ -281,6 +283,17 @@ pub enum Cell {
     Block(Block),
 }
 
+/// `place NAME on A, B = …`: where vertices go.
+#[derive(Clone, Debug)]
+pub struct Placement {
+    pub name: String,
+    /// Only vertices between modules of these symbols alone are moved; empty: all.
+    pub on: Vec<SymbolId>,
+    /// Of type vec3.
+    pub value: Expr,
+    pub span: Span,
+}
+
 #[derive(Clone, Debug)]
 pub struct Step {
     pub kind: StepKind,
@@ -305,7 +318,9 @@ pub enum StepKind {
         condition: Expr,
         body: Vec<Step>,
     },
-    /// `subdivide`, `place`, `mark`, `crease`, `deposit`, `trace`: the word that names it; the
-    /// rest is in the syntax tree.
+    /// Index into [`System::placements`]. In patch systems the last step.
+    Place(usize),
+    /// `subdivide`, `mark`, `crease`, `deposit`, `trace`: the word that names it; the rest is in the
+    /// syntax tree.
     Other(&'static str),
 }

@@ -64,8 +64,11 @@ pub enum Owner {
     Face,
     /// `crease`.
     Edge,
-    /// `place`.
+    /// `place` of mesh systems.
     Place,
+    /// `place` of patch systems, which displaces their tessellation. What is known there must not hang on
+    /// how fine that is.
+    Displacement,
     /// Expressions in slots.
     Slot,
     /// All rules.
@@ -79,7 +82,8 @@ impl Owner {
             Owner::Patch => "the rules and queries of patch systems",
             Owner::Face => "the rules, queries and marks of mesh systems",
             Owner::Edge => "`crease`",
-            Owner::Place => "`place`",
+            Owner::Place => "`place` of mesh systems",
+            Owner::Displacement => "`place` of patch systems",
             Owner::Slot => "slots",
             Owner::Rule => "rules",
         }
@@ -162,9 +166,9 @@ fn schemes() -> Vec<Scheme> {
 }
 
 fn attributes() -> Vec<Attribute> {
-    use Owner::{Edge, Face, Patch, Place, Rule, Slot};
+    use Owner::{Displacement, Edge, Face, Patch, Place, Rule, Slot};
     use Type::{Bool, Float, Int, Vec2, Vec3, Vec4};
-    let all: [(&'static str, Type, Owner, &'static str); 29] = [
+    let all: [(&'static str, Type, Owner, &'static str); 36] = [
         ("centroid", Vec3, Patch, "Mean of the control points."),
         (
             "flatness",
@@ -212,6 +216,23 @@ fn attributes() -> Vec<Attribute> {
         ("uv", Vec2, Place, "Texture coordinates."),
         ("level", Int, Place, "Subdivisions since the axiom."),
         ("id", Int, Place, "Number of the vertex."),
+        ("p", Vec3, Displacement, "The smooth position, on the patch."),
+        ("old", Vec3, Displacement, "The same: nothing has moved it before."),
+        ("normal", Vec3, Displacement, "Unit normal; where patches meet, the mean of theirs."),
+        (
+            "scale",
+            Float,
+            Displacement,
+            "Mean of the two diagonals between the corners of the patch's control net, however finely it is cut.",
+        ),
+        (
+            "frame",
+            Vec4,
+            Displacement,
+            "Local axes: x along u, y along v and at right angles to it, z along the normal; only as `frame * vector`.",
+        ),
+        ("uv", Vec2, Displacement, "Place in the unit square of the axiom's patch, as its file has it."),
+        ("id", Int, Displacement, "Number of the axiom's patch, from 0."),
         ("nth", Int, Slot, "Number of the face among those of the slot."),
         ("step", Int, Rule, "Steps done in this `derive`."),
     ];

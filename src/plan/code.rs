@@ -1,6 +1,6 @@
 //! The rules' expressions as graphs, ready for either backend.
 
-use super::graph::{Constants, Graph, Names, NodeId};
+use super::graph::{Constants, Graph, Names, NodeId, Subject};
 use super::layout::Layout;
 use super::tables::{Environment, MatchRule, Near, Production, Stage, Symbol};
 use crate::language::expr::Expr;
@@ -106,7 +106,7 @@ impl<'a> Lower<'a> {
             names: Names {
                 fields,
                 environment,
-                row: &stage.row,
+                subject: Subject::Module(&stage.row),
                 path,
                 lets: Vec::new(),
                 site: rule.site,
@@ -147,7 +147,7 @@ impl<'a> Lower<'a> {
             return None;
         }
         let weights: Vec<NodeId> = rule.weights.iter().map(|w| self.expr(w)[0]).collect();
-        Some(self.graph.choice(&weights, rule.site, &self.names.path))
+        Some(self.graph.choice(&weights, &self.names))
     }
 
     /// (node, word of the record) of a module's arguments.

@@ -6,7 +6,7 @@
 
 use super::{Error, measure};
 use crate::language::expr::{Expr, ExprKind, Type, Value};
-use crate::language::system::{BinderPlace, Cell, Query, Rule, Successor, System};
+use crate::language::system::{BinderPlace, Cell, Query, Rule, Step, StepKind, Successor, System};
 use crate::patch::{Grid, Values};
 
 /// The camera that `bbox_px` and `area_px` look through.
@@ -241,7 +241,7 @@ fn fits_form(query: &Query, form: Form, values: &Values) -> Result<(), Error> {
     }
 }
 
-/// What the rules of all groups ask for.
+/// What the rules of all groups, and the placement, ask for.
 struct Reads {
     forms: Vec<Option<Form>>,
     /// An attribute of the screen.
@@ -263,7 +263,15 @@ impl Reads {
             }
             of_rule(rule, &mut |e| reads.expr(e));
         }
+        reads.placement(system);
         reads
+    }
+
+    /// What the placement reads that ends the run.
+    fn placement(&mut self, system: &System) {
+        if let Some(Step { kind: StepKind::Place(index), .. }) = system.run.last() {
+            self.expr(&system.placements[*index].value);
+        }
     }
 
     fn expr(&mut self, e: &Expr) {

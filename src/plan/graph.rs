@@ -5,6 +5,7 @@
 //! right. So there is one place where a vector operation gets its order, and equal nodes are one.
 
 use super::measure::Row;
+use super::placement;
 use super::tables::{Environment, Near};
 use crate::language::expr::{Expr, ExprKind, Type, Value};
 use crate::language::ops::{self, Op};
@@ -89,14 +90,23 @@ pub struct Names<'a> {
     pub path: Vec<usize>,
     /// Where the environment holds uniforms and what the host gives.
     pub environment: &'a Environment,
-    /// Where the attributes of nets stand.
-    pub row: &'a Row,
+    pub subject: Subject<'a>,
     /// The components of the lets lowered so far.
     pub lets: Vec<Vec<NodeId>>,
-    /// Identifies the rule for random numbers.
+    /// Identifies the rule, or the placement, for random numbers.
     pub site: u32,
     /// Words of constants in the environment, behind the uniforms.
     pub constants: &'a mut Constants,
+}
+
+/// What an expression speaks of: whose record it reads, and what random numbers are drawn for. Words 1 to 3 of
+/// either record name it for good.
+#[derive(Clone, Copy)]
+pub enum Subject<'a> {
+    /// A module; the attributes of its net stand as the row says.
+    Module(&'a Row),
+    /// A vertex of a tessellation ([`super::placement`]); the seed is this word of the environment.
+    Vertex { seed: usize },
 }
 
 /// Constants that stand in the environment: lists, which are indexed at run time, and float
@@ -216,11 +226,16 @@ impl Graph {
                 (at..at + words).map(|w| self.push(Node::Uniform(ty, w))).collect()
             }
             ExprKind::Let(n) => names.lets[*n].clone(),
-            ExprKind::Attribute("step") => vec![self.push(Node::Step)],
-            ExprKind::Attribute(name) => match names.row.place(name) {
-                Some(at) => (at..at + words).map(|w| self.push(Node::Measured(ty, w))).collect(),
-                // `plan::supported` has refused what patches have not.
-                None => vec![self.push(Node::Level)],
+            ExprKind::Attribute(name) => match names.subject {
+                Subject::Vertex { .. } => {
+                    placement::words_of(name).iter().map(|&w| self.push(Node::Field(ty, w))).collect()
+                }
+                Subject::Module(_) if *name == "step" => vec![self.push(Node::Step)],
+                Subject::Module(row) => match row.place(name) {
+                    Some(at) => (at..at + words).map(|w| self.push(Node::Measured(ty, w))).collect(),
+                    // `plan::supported` has refused what patches have not.
+                    None => vec![self.push(Node::Level)],
+                },
             },
             ExprKind::Component(v, n) => vec![self.lower(v, names)[*n]],
             ExprKind::Vector(parts) => parts.iter().flat_map(|p| self.lower(p, names)).collect(),
@@ -230,7 +245,7 @@ impl Graph {
                 self.expand(*op, &lowered)
             }
             ExprKind::Random { function, args, site } => {
-                let hash = self.draw(names.site, *site as u32, &names.path);
+                let hash = self.draw(names, *site as u32);
                 let args: Vec<NodeId> = args.iter().map(|a| self.lower(a, names)[0]).collect();
                 vec![self.random(function, hash, &args)]
             }
@@ -361,14 +376,18 @@ impl Graph {
         [high, self.ints("hash #", &[low, high])]
     }
 
-    /// The hash behind one random number of a module: of the seed, the step of the whole run, the
-    /// module's path (root and order key), the rule, and the call in it.
-    fn draw(&mut self, site: u32, call: u32, path: &[usize]) -> NodeId {
-        let mut hash = self.push(Node::Seed);
-        let step = self.push(Node::RunStep);
-        let path: Vec<NodeId> = path.iter().map(|&word| self.push(Node::Field(Scalar::Int, word))).collect();
+    /// The hash behind one random number: of the seed, for a module the step of the whole run, what names
+    /// it (of a patch module root and order key), the rule, and the call in it.
+    fn draw(&mut self, names: &Names, call: u32) -> NodeId {
+        let (mut hash, step) = match names.subject {
+            Subject::Module(_) => (self.push(Node::Seed), Some(self.push(Node::RunStep))),
+            Subject::Vertex { seed } => (self.push(Node::Uniform(Scalar::Int, seed)), None),
+        };
+        let path: Vec<NodeId> =
+            names.path.iter().map(|&word| self.push(Node::Field(Scalar::Int, word))).collect();
+        let site = names.site;
         let place = [self.int(site), self.int(call)];
-        for word in [step].into_iter().chain(path).chain(place) {
+        for word in step.into_iter().chain(path).chain(place) {
             hash = self.ints("hash #", &[hash, word]);
         }
         hash
@@ -405,7 +424,7 @@ impl Graph {
 
     /// The draw among alternatives: whether any weight is positive, and the index drawn. Weights
     /// count in 65,536ths, as integers, up to 32,767 over their number.
-    pub fn choice(&mut self, weights: &[NodeId], site: u32, path: &[usize]) -> (NodeId, NodeId) {
+    pub fn choice(&mut self, weights: &[NodeId], names: &Names) -> (NodeId, NodeId) {
         let most = 32_767.0 / weights.len() as f32;
         let (zero, most) = (self.number(0.0), self.number(most));
         let unit = self.number(65_536.0);
@@ -420,7 +439,7 @@ impl Graph {
             ends.push(total);
         }
         // A site of its own, so that a call of `rand` in the rule does not move it.
-        let hash = self.draw(site, u32::MAX, path);
+        let hash = self.draw(names, u32::MAX);
         let drawn = self.ints("scale #", &[hash, total]);
         let mut index = self.int(weights.len() as u32 - 1);
         for (n, &end) in ends.iter().enumerate().rev().skip(1) {
@@ -489,6 +508,7 @@ impl Graph {
                 v.iter().map(|&x| self.float("/", &[x, length])).collect()
             }
             ("noise", [p]) => vec![self.float("noise #", &[p[0], p[1], p[2]])],
+            ("frame *", [frame, v]) => self.in_frame(frame, v),
             ("cross", [a, b]) if a.len() == 2 => vec![self.minor(a, b, 0, 1)],
             ("cross", [a, b]) => [(1, 2), (2, 0), (0, 1)].map(|(i, j)| self.minor(a, b, i, j)).to_vec(),
             ("rotate", [v, angle]) => self.rotate_plane(v, angle[0]),
@@ -564,6 +584,11 @@ impl Graph {
     fn minor(&mut self, a: &[NodeId], b: &[NodeId], i: usize, j: usize) -> NodeId {
         let (first, second) = (self.float("*", &[a[i], b[j]]), self.float("*", &[a[j], b[i]]));
         self.float("-", &[first, second])
+    }
+
+    /// Components along the three axes of a frame, whose components stand one axis after the other.
+    fn in_frame(&mut self, frame: &[NodeId], v: &[NodeId]) -> Vec<NodeId> {
+        (0..3).map(|k| self.dot(&[frame[k], frame[3 + k], frame[6 + k]], v)).collect()
     }
 
     fn sine_and_cosine(&mut self, degrees: NodeId) -> (NodeId, NodeId) {

@@ -12,6 +12,7 @@ pub mod graph;
 pub mod holes;
 pub mod layout;
 pub mod measure;
+pub mod placement;
 pub mod schedule;
 pub mod size;
 pub mod step;
@@ -27,6 +28,7 @@ use std::sync::Arc;
 
 pub use derive::{Backend, Derivation, Options, Progress};
 pub use given::{Given, View};
+pub use placement::{Displacement, Placement};
 pub use supported::Unsupported;
 pub use tables::Tables;
 
@@ -71,12 +73,20 @@ pub struct Plan {
     pub tables: Tables,
     /// The symbol of erased cells, where they are kept.
     pub hole: Option<usize>,
+    /// The `place` that ends the run: what a tessellation of the word is displaced by. The word is the same
+    /// with it or without.
+    pub placement: Option<Placement>,
 }
 
 impl Plan {
     /// Builds the tables, or names what this version does not derive.
     pub fn new(system: &System) -> Result<Plan, Unsupported> {
-        Ok(Plan { tables: Tables::new(system)?, system: Arc::new(system.clone()), hole: None })
+        Ok(Plan {
+            tables: Tables::new(system)?,
+            placement: Placement::new(system)?,
+            system: Arc::new(system.clone()),
+            hole: None,
+        })
     }
 
     /// The same with erased cells kept in the word, as modules of the symbol [`Plan::hole`]: what a
@@ -96,26 +106,7 @@ impl Plan {
     /// # Errors
     /// [`Error::Set`] for a name that is no param, a value of another type, or one out of its range.
     pub fn uniforms(&self, set: &[(String, Value)]) -> Result<Vec<Value>, Error> {
-        for (name, _) in set {
-            if !self.system.uniforms.iter().any(|u| u.name == *name && is_param(&u.kind)) {
-                return Err(Error::Set(self.no_such_param(name)));
-            }
-        }
-        let mut values: Vec<Value> = Vec::with_capacity(self.system.uniforms.len());
-        for uniform in &self.system.uniforms {
-            let value = match &uniform.kind {
-                UniformKind::Derived(e) => eval::eval(e, &values)
-                    .map_err(|e| Error::Value(format!("const {}: {e}", uniform.name)))?,
-                UniformKind::Param { default, range } => {
-                    match set.iter().rev().find(|(name, _)| *name == uniform.name) {
-                        None => default.clone(),
-                        Some((_, value)) => fit(&uniform.name, &uniform.ty, value, range.as_ref())?,
-                    }
-                }
-            };
-            values.push(value);
-        }
-        Ok(values)
+        uniforms(&self.system, set)
     }
 
     /// What random numbers begin with: the param `seed`, if the system has one of type int, else 0.
@@ -125,15 +116,6 @@ impl Plan {
         match named {
             Some((_, Value::Int(seed))) => seed as u32,
             _ => 0,
-        }
-    }
-
-    fn no_such_param(&self, name: &str) -> String {
-        let params: Vec<&str> =
-            self.system.uniforms.iter().filter(|u| is_param(&u.kind)).map(|u| u.name.as_str()).collect();
-        match params.as_slice() {
-            [] => format!("`{name}` cannot be set: the system {} has no params", self.system.name),
-            list => format!("`{name}` is no param of {}; it has {}", self.system.name, list.join(", ")),
         }
     }
 
@@ -236,6 +218,40 @@ impl Plan {
             }
         }
         Ok(records)
+    }
+}
+
+/// See [`Plan::uniforms`].
+fn uniforms(system: &System, set: &[(String, Value)]) -> Result<Vec<Value>, Error> {
+    for (name, _) in set {
+        if !system.uniforms.iter().any(|u| u.name == *name && is_param(&u.kind)) {
+            return Err(Error::Set(no_such_param(system, name)));
+        }
+    }
+    let mut values: Vec<Value> = Vec::with_capacity(system.uniforms.len());
+    for uniform in &system.uniforms {
+        let value = match &uniform.kind {
+            UniformKind::Derived(e) => {
+                eval::eval(e, &values).map_err(|e| Error::Value(format!("const {}: {e}", uniform.name)))?
+            }
+            UniformKind::Param { default, range } => {
+                match set.iter().rev().find(|(name, _)| *name == uniform.name) {
+                    None => default.clone(),
+                    Some((_, value)) => fit(&uniform.name, &uniform.ty, value, range.as_ref())?,
+                }
+            }
+        };
+        values.push(value);
+    }
+    Ok(values)
+}
+
+fn no_such_param(system: &System, name: &str) -> String {
+    let params: Vec<&str> =
+        system.uniforms.iter().filter(|u| is_param(&u.kind)).map(|u| u.name.as_str()).collect();
+    match params.as_slice() {
+        [] => format!("`{name}` cannot be set: the system {} has no params", system.name),
+        list => format!("`{name}` is no param of {}; it has {}", system.name, list.join(", ")),
     }
 }
 

@@ -60,6 +60,8 @@ fn steps(
                     steps(plan, uniforms, body, list, turns)?;
                 }
             }
+            // It moves the vertices of a tessellation; the word stays as it is.
+            StepKind::Place(_) => {}
             StepKind::Other(name) => {
                 return Err(super::Unsupported::new(format!("`{name}`"), step.span).into());
             }

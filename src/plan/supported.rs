@@ -43,7 +43,8 @@ pub fn system(system: &System) -> Result<(), Unsupported> {
 fn steps(run: &[Step], kind: &str) -> Result<(), Unsupported> {
     for step in run {
         match &step.kind {
-            StepKind::Derive { .. } => {}
+            // That a placement stands last the checker has seen to.
+            StepKind::Derive { .. } | StepKind::Place(_) => {}
             StepKind::Repeat { body, .. } | StepKind::If { body, .. } => steps(body, kind)?,
             StepKind::Other(name) => {
                 return Err(Unsupported::new(format!("`{name}` in a {kind} system"), step.span));

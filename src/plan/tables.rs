@@ -316,7 +316,8 @@ impl Tables {
     }
 }
 
-fn environment(system: &System) -> Environment {
+/// Where the environment of any expression of the system holds what is the same for all.
+pub(super) fn environment(system: &System) -> Environment {
     let mut at = 0;
     let starts = system.uniforms.iter().map(|u| {
         at += u.ty.words();
@@ -584,10 +585,14 @@ fn carried(e: &Expr, own: usize, fields: &mut Vec<Field>, args: &mut Vec<Expr>) 
     field(at, &e.ty, e.span)
 }
 
-/// Identifies the rule for random numbers: its label, or its index in the group, hashed (FNV-1a).
+/// Identifies the rule for random numbers: its label, or its index in the group, hashed.
 fn site(rule: &Rule) -> u32 {
     let index = (rule.index as u32).to_le_bytes();
-    let bytes = rule.label.as_ref().map_or(&index[..], |label| label.as_bytes());
+    fnv(rule.label.as_ref().map_or(&index[..], |label| label.as_bytes()))
+}
+
+/// FNV-1a.
+pub(super) fn fnv(bytes: &[u8]) -> u32 {
     bytes.iter().fold(0x811c_9dc5, |h, b| (h ^ *b as u32).wrapping_mul(0x0100_0193))
 }
 

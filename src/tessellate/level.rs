@@ -12,6 +12,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
     /// The most that a triangle may be off the surface, in the unit of `measure`: [`LEAST_TOLERANCE`] or more.
+    /// A displacement is not part of that surface: for one with finer features take a least `depth`.
     /// Coordinates of the model may be as large as 10¹⁸; beyond, bounds overflow and all is split to the most.
     pub tolerance: f32,
     pub measure: Measure,

@@ -7,6 +7,7 @@ pub mod lattice;
 pub mod level;
 pub mod orientation;
 pub mod passes;
+pub mod placement;
 pub mod surface;
 pub mod topology;
 pub mod tree;

@@ -104,7 +104,7 @@ impl Control {
 
     /// The same, where it is known what it would be inside.
     #[inline]
-    pub(super) fn position_of(&self, p: [u32; 2], inside: Vec3) -> Vec3 {
+    pub(crate) fn position_of(&self, p: [u32; 2], inside: Vec3) -> Vec3 {
         let position = match (side_at(p[0], 0), side_at(p[1], 1)) {
             (Some(side), _) => project(self.on_side(side, p[along(side)])),
             (_, Some(side)) => project(self.on_side(side, p[along(side)])),
@@ -162,7 +162,12 @@ impl Control {
     /// the surface is a curve or a point.
     #[inline]
     pub fn normal(&self, p: [u32; 2]) -> (Vec3, Sample) {
-        let at = p.map(|x| x as f32 / FULL as f32);
+        self.normal_near(p.map(|x| x as f32 / FULL as f32))
+    }
+
+    /// The same at parameters in 0..=1.
+    #[inline]
+    pub fn normal_near(&self, at: [f32; 2]) -> (Vec3, Sample) {
         let sample = self.sample(at);
         let product = cross(sample.du, sample.dv);
         let noise = self.noise;
@@ -181,7 +186,7 @@ impl Control {
 }
 
 /// Rounding of a control point of 1 in a product of derivatives.
-const NOISE: f32 = 4e-6;
+pub(super) const NOISE: f32 = 4e-6;
 
 /// How far towards the middle a normal is looked for where there is none.
 const NUDGES: [f32; 2] = [1.0 / 1024.0, 1.0 / 32.0];

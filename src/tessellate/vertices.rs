@@ -1,9 +1,9 @@
 //! The vertices of a tree's leaves: where they lie, which way they face, and what they share.
 
-use super::lattice::{FULL, NOWHERE, along, side_corner};
+use super::lattice::FULL;
 use super::orientation::Orientation;
 use super::surface::{Control, Patches, Sample, cross, dot, length};
-use super::topology::{curve_of, entries, incidence, orientation_of, point_of, reversed, side_at, turned};
+use super::topology::orientation_of;
 use super::tree::Tree;
 use super::vertex::Vertex;
 use glam::Vec3;
@@ -31,7 +31,10 @@ impl Tree<'_> {
         let mut normal = if orientation.mirrors() { -normal } else { normal };
         if self.shared {
             let mut sum = normal;
-            self.others(root, p, |r, q| {
+            self.sharing(root, p, |r, q, own| {
+                if own {
+                    return;
+                }
                 patches.load(spare, r, self.orientation(r));
                 let (other, _) = spare.normal(q);
                 let other = if self.orientation(r).mirrors() { -other } else { other };
@@ -99,40 +102,6 @@ impl Tree<'_> {
             }
         })
     }
-
-    /// The same point as one of each other patch that shares it.
-    fn others(&self, root: u32, p: [u32; 2], mut see: impl FnMut(u32, [u32; 2])) {
-        let corner_at = |corner: u32| [(corner & 1) * FULL, (corner >> 1) * FULL];
-        let mut around = |record: u32, own: u32| {
-            for &entry in entries(self.topology, record) {
-                if entry != own {
-                    see(entry >> 2, corner_at(entry & 3));
-                }
-            }
-        };
-        match (side_at(p[0], 0), side_at(p[1], 1)) {
-            (None, None) => {}
-            (Some(x), Some(y)) => {
-                let corner = (x & 1) | (y & 1) << 1;
-                around(point_of(self.topology, root, corner), root << 2 | corner);
-            }
-            (Some(side), None) | (None, Some(side)) => {
-                let curve = curve_of(self.topology, root, side);
-                if curve == NOWHERE {
-                    let corner = side_corner(side, 0);
-                    return around(point_of(self.topology, root, corner), root << 2 | corner);
-                }
-                let t = turned(p[along(side)], reversed(self.topology, root, side));
-                for &entry in entries(self.topology, curve) {
-                    let (r, s, turn) = incidence(entry);
-                    if (r, s) != (root, side) {
-                        let (across, t) = ((s & 1) * FULL, turned(t, turn));
-                        see(r, if along(s) == 1 { [across, t] } else { [t, across] });
-                    }
-                }
-            }
-        }
-    }
 }
 
 /// Vertices that are computed at once.
@@ -140,7 +109,7 @@ pub const LANES: usize = 8;
 
 /// The unit vector along the file's u at right angles to the normal, if it is wanted.
 #[inline]
-fn tangent(orientation: Orientation, sample: &Sample, normal: Vec3, wanted: bool) -> [f32; 4] {
+pub(crate) fn tangent(orientation: Orientation, sample: &Sample, normal: Vec3, wanted: bool) -> [f32; 4] {
     if !wanted {
         return [0.0; 4];
     }

@@ -336,3 +336,47 @@ mod on_a_device {
         }
     }
 }
+
+/// A placement acts where there is a tessellation, and is never passed over in silence.
+#[test]
+fn a_placement_displaces_what_a_tolerance_makes() {
+    let folder = Folder::new();
+    let text = rules("  P(n) -> [ P(n+1) P(n+1) ; P(n+1) eps ]\n") // with its own run:
+        .replace(
+            "rules:",
+            "param high: float = 2 in 0 .. 9\nplace up = p + (0, 0, high) * sin(pi * uv.x)\nrules:",
+        );
+    folder.write("up.burgeon", format!("{text}run:\n  derive 1\n  place up\n"));
+    let run = |more: &[&str]| folder.run(&[&["run", "up.burgeon", "--backend", "cpu"][..], more].concat());
+    let note = "note: `place up` displaces the mesh that --tolerance makes; without it nothing is displaced";
+    let plain = run(&["--out", "plain.obj"]);
+    plain.succeeds();
+    plain.says(&[note]);
+    let heights = |file: &str| -> Vec<f32> {
+        let text = folder.text(file);
+        let height = |line: &&str| line.split(' ').nth(3).and_then(|z| z.parse().ok()).expect("a height");
+        lines(&text, "v").iter().map(height).collect()
+    };
+    assert!(heights("plain.obj").iter().all(|&z| z == 0.0));
+    // Each of the three leaves once more halved: the middle of the sheet is the top.
+    let ran = run(&["--tolerance", "1", "--min-depth", "2", "--out", "up.obj"]);
+    ran.succeeds();
+    assert!(!ran.stderr.contains("place up"), "{ran:?}");
+    let found = heights("up.obj");
+    let highest = found.iter().copied().fold(0.0, f32::max);
+    assert!((highest - 2.0).abs() < 1e-6 && found.contains(&0.0), "{found:?}");
+    run(&["--tolerance", "1", "--min-depth", "2", "--set", "high=0.5", "--out", "low.obj"]).succeeds();
+    let highest = heights("low.obj").iter().copied().fold(0.0, f32::max);
+    assert!((highest - 0.5).abs() < 1e-6, "{highest}");
+    run(&["--tolerance", "1", "--set", "high=10"]).fails(2, &["param high = 10 lies outside 0 .. 9"]);
+    // The word says nothing of it, and the kernel all.
+    run(&["--out", "word.json"]).succeeds();
+    let wgsl = folder.run(&["wgsl", "up.burgeon"]);
+    assert!(wgsl.succeeds().stdout.contains("vertices of quarters, place up"), "{wgsl:?}");
+    folder.run(&["check", "up.burgeon"]).succeeds();
+    // Anywhere else it is refused, once.
+    folder.write("up.burgeon", format!("{text}run:\n  place up\n  derive 1\n"));
+    let ran = run(&["--tolerance", "1"]);
+    ran.fails(1, &["error[E0266]: in a patch system `place` stands last, and `up` does not"]);
+    assert_eq!(ran.stderr.matches("error").count(), 1, "{ran:?}");
+}

@@ -229,13 +229,14 @@ pub fn check(t: &Tessellator, nets: &[Net], tolerance: Option<f32>) -> Checked {
     }
     found.characteristic = mesh.positions.len() as i64 - edges.len() as i64 + found.triangles as i64;
 
-    // T3: every patch of a border vertex computes the same bits.
+    // T3: every patch of a border vertex computes the same bits. Where a vertex goes is computed once: see
+    // `placement`.
     let degree = nets[0].degree;
     let points: Vec<[f32; 4]> = nets.iter().flat_map(|n| n.points.iter().copied()).collect();
     let orders = orders(degree);
     let rational = points.iter().any(|p| p[3] != 1.0);
     let patches = Patches { degree, rational, nets: &points, orders: &orders };
-    for (triangle, index) in corners.iter().zip(out.indices.chunks(3)) {
+    for (triangle, index) in corners.iter().zip(out.indices.chunks(3)).filter(|_| !t.is_displaced()) {
         let root = tree.nodes[triangle.1 as usize].root;
         let mirrored = t.topology().orientation(root).mirrors();
         let net = patches.control(root, tree.orientation(root));

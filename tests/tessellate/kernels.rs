@@ -70,6 +70,24 @@ fn every_kernel_translates_and_keeps_to_default_limits() {
     }
 }
 
+/// With everything that an expression may see, on symbols or all.
+#[test]
+fn the_kernel_of_a_placement_translates_and_keeps_to_default_limits() {
+    use super::placement::{HIGH, WILD, checkered, plan_of};
+    for (n, plan) in [plan_of(WILD), plan_of(HIGH), checkered("P, Q").0].into_iter().enumerate() {
+        let placement = plan.placement.expect("a placement");
+        for (k, degree) in [[1, 1], [3, 3], [8, 2]].into_iter().enumerate() {
+            let options = Options { format: formats()[k], seams: n == k };
+            let what = Tessellation { degree, rational: k == 1, word: n == 2, derived: false, options };
+            let tuning = if n == 1 { Tuning::GPU } else { Tuning::CPU_DRIVER };
+            let shader =
+                burgeon::codegen::vertices(&what, Some(&placement), &tuning, None).expect("a kernel");
+            assert_within_default_limits(&shader);
+            assert_translates(&shader, &format!("{what:?}"));
+        }
+    }
+}
+
 #[test]
 fn structs_lie_in_wgsl_as_in_rust() {
     let what = Tessellation {

@@ -1,6 +1,7 @@
 //! The tests, tested: every kernel of a tessellation broken on purpose must show against the CPU.
 
 use super::device::{ROOM, camera, difference, submit};
+use super::placement::{HIGH, WILD, checkered, displaced, heights, plan_of};
 use super::{file, sets, tessellated};
 use crate::device;
 use burgeon::codegen::Edit;
@@ -28,6 +29,10 @@ enum Check {
     Budget,
     /// Buffers of the caller's.
     Slab,
+    /// Displaced by all that an expression sees; patches that share vertices, and that do not.
+    Placed,
+    /// Displaced only on one symbol of a word, and by values of the host.
+    PlacedOn,
 }
 
 use Check::*;
@@ -95,6 +100,39 @@ const MUTANTS: &[Mutant] = &[
     ("vertices", "select(p, p.yx, (orientation & 4u) != 0u)", "p", Roots),
     ("vertices", "if n.z >= 0.0", "if n.z >= -2.0", Frames),
     ("vertices", "to.root, ends[end], symbol", "to.root, ends[1u - end], symbol", Word),
+    ("vertices", "position = placed;", "position = placed + vec3f(0.001);", Placed),
+    ("vertices", "sum += select(face.normal, -face.normal,", "sum += select(n, -n,", Placed),
+    ("vertices", "-u, (orientation & 1u)", "-u, (orientation & 2u)", Placed),
+    ("surface", "let noise = NOISE * far_of_net()", "let noise = 0.0", Roots),
+    ("placement", "vec2f(1.0) - q,", "q,", Placed),
+    ("placement", "in_file(orientation_of(owner.root), owner.p)", "owner.p", Placed),
+    ("placement", "vec3u(owner.root,", "vec3u(a.root,", Placed),
+    ("placement", "(first + second) * 0.5", "first", Placed),
+    ("placement", "(first + second) * 0.5", "second", Placed),
+    ("placement", "place_of(a, k + skipped)", "place_of(a, (count - 1u - k) + skipped)", Placed),
+    ("placement", "product_of(n, own) < 0.0", "product_of(n, own) > 2.0", Placed),
+    (
+        "placement",
+        "let bitangent = cross_of(normal, tangent)",
+        "let bitangent = cross_of(tangent, normal)",
+        Placed,
+    ),
+    ("placement", "vec3f(-1.5, 2.0, -0.5)", "vec3f(-0.5, 0.0, 0.5)", Placed),
+    ("placement", "vec3f(1.5, -2.0, 0.5)", "vec3f(1.0, -1.0, 0.0)", Placed),
+    ("placement", "vec3f(-0.5, 0.0, 0.5)", "vec3f(-1.0, 1.0, 0.0)", Placed),
+    ("placement", "place[direction] += off", "place[1u - direction] += off", Placed),
+    ("placement", "s.dv + slopes[1] * STEPS", "s.dv", Placed),
+    ("placement", "face.normal = -face.normal", "face.normal = face.normal", Placed),
+    ("placement", "const ROUGHER = 64.0", "const ROUGHER = 0.0", Placed),
+    ("placement", "record_at(key, root, place,", "record_at(key + vec3u(k), root, place,", Placed),
+    ("placement", "select(found.normal, -found.normal, mirrors(root))", "found.normal", Placed),
+    ("placement", "!is_hole(n) && !placed", "!placed", PlacedOn),
+    ("placement", "!is_hole(n) && !placed", "!is_hole(n) && placed", PlacedOn),
+    ("placement", "t - (k & 1u)", "t", PlacedOn),
+    ("placement", "vec2u(k & 1u, k >> 1u)", "vec2u(k & 1u, 0u)", PlacedOn),
+    ("placement", "* (FULL - 1u)).node", "* 0u).node", PlacedOn),
+    ("placement", "uniform_word(SEED + 1u) +", "", PlacedOn),
+    ("placement", "uniform_word(SEED + 2u)", "1u", PlacedOn),
     ("triangles", "select(b, c, turn)", "b", Roots),
     ("triangles", "own += 1u", "own += 2u", Word),
     ("triangles", "number(to.node, 4u)", "number(to.node, 3u)", Roots),
@@ -157,6 +195,46 @@ impl Check {
                     difference(&cpu, &submit(engine, &mut gpu.expect("a word")))
                 })
             }
+            Placed => {
+                let sets = [
+                    (sets::scrambled(&file("teapot.bpt", false), 5).0, 0.2),
+                    (sets::book(5, 3), 0.2),
+                    (sets::torus(1, 1, 4), 0.4),
+                    (sets::degenerate(), 10.0),
+                ];
+                sets.iter().find_map(|(nets, tolerance)| {
+                    [false, true].into_iter().find_map(|seams| {
+                        let (level, options) = (Level::world(*tolerance), Options { format: whole, seams });
+                        let cpu = displaced(nets, &level, &options, WILD);
+                        let mut gpu = Tessellator::new(engine, nets, &level, &options, &ROOM).expect("a set");
+                        gpu.displace(&plan_of(WILD), &Default::default()).expect("a placement");
+                        difference(&cpu, &submit(engine, &mut gpu))
+                    })
+                })
+            }
+            PlacedOn => {
+                let level = Level { depth: 0..=7, ..Level::world(0.05) };
+                let of_word = |(on, seams)| {
+                    let (plan, word, nets) = checkered(on);
+                    let options = Options { format: whole, seams };
+                    let cpu = super::placement::of_word(&nets, &word, plan.hole, &plan, &options, 0.05);
+                    let gpu = Tessellator::of_word(engine, &nets, &word, plan.hole, &level, &options, &ROOM);
+                    let mut gpu = gpu.expect("a word");
+                    gpu.displace(&plan, &Default::default()).expect("a placement");
+                    difference(&cpu, &submit(engine, &mut gpu))
+                };
+                let values = || {
+                    let (nets, level) = (file("teapot.bpt", false), Level::world(0.2));
+                    let mut cpu = Cpu::new(&nets, &shared(whole)).expect("a set");
+                    cpu.displace(&plan_of(HIGH), &heights()).expect("values");
+                    cpu.run(&level.target().expect("a level"));
+                    let gpu = Tessellator::new(engine, &nets, &level, &shared(whole), &ROOM);
+                    let mut gpu = gpu.expect("a set");
+                    gpu.displace(&plan_of(HIGH), &heights()).expect("values");
+                    difference(&cpu, &submit(engine, &mut gpu))
+                };
+                [("R", false), ("P", true)].into_iter().find_map(of_word).or_else(values)
+            }
             Room => {
                 let (nets, options) = (sets::torus(3, 3, 11), shared(whole));
                 let level = Level::world(0.1);
@@ -193,7 +271,7 @@ fn every_mutant_of_a_tessellation_is_seen() {
     let Some(headless) = device::headless() else { return };
     let engine = Engine::new(&headless.device, &headless.queue);
     let mut wrong = Vec::new();
-    for check in [Roots, Word, Pixels, Frames, Room, Rational, Budget, Slab] {
+    for check in [Roots, Word, Pixels, Frames, Room, Rational, Budget, Slab, Placed, PlacedOn] {
         assert_eq!(check.run(&engine), None, "{check:?} without a mutant");
     }
     for &(file, find, replace, check) in MUTANTS {

@@ -124,6 +124,42 @@ fn words_lie_on_patches_whatever_their_orientation() {
     assert_eq!(frames(&engine, &rules, &Options::default()), None);
 }
 
+/// A param moves the cells and what displaces them at once; other rules bring another placement, or none.
+#[test]
+fn what_displaces_follows_the_rules() {
+    let Some(headless) = device::headless() else { return };
+    let engine = Engine::new(&headless.device, &headless.queue);
+    let bumps = "place bumps = p + normal * (0.02 * float(depth) * sin(20 * p.y))\nrun:\n";
+    let placed = rules(&format!("{}  place bumps\n", LACE.replace("run:\n", bumps)));
+    let (level, options) = (Level::world(0.1), Options::default());
+    let params = |depth| Params { set: set(depth, 0.4), view: Some(view(6.0)), ..Params::default() };
+    let points = points(&placed.nets);
+    let mut frames = 0;
+    let mut expected = |rules: &Rules, params: &Params| {
+        let mut cpu = Cpu::new(&rules.nets, &options).expect("patches");
+        cpu.set_word(&word(rules, params, &points), rules.plan.hole).expect("a word");
+        let values = plan::Options { set: params.set.clone(), view: params.view, ..plan::Options::default() };
+        cpu.displace(&rules.plan, &values).expect("a placement");
+        // As many frames as the device has made: they count.
+        frames += 1;
+        (0..frames).for_each(|_| cpu.run(&level.target().expect("a level")));
+        cpu
+    };
+    let Rules { system, axiom, .. } = &placed;
+    let mut gpu = Tessellator::of_rules(&engine, system, axiom, &params(2), &level, &options, &ROOM)
+        .expect("a tessellator");
+    for depth in [2, 3, 1] {
+        gpu.set_params(&params(depth).set).expect("params");
+        let frame = submit(&engine, &mut gpu);
+        assert_eq!(difference(&expected(&placed, &params(depth)), &frame), None, "depth {depth}");
+    }
+    let smooth = rules(LACE);
+    gpu.reload(&smooth.system, &smooth.axiom, &params(3)).expect("other rules");
+    assert_eq!(difference(&expected(&smooth, &params(3)), &submit(&engine, &mut gpu)), None);
+    gpu.reload(system, axiom, &params(4)).expect("the rules of before");
+    assert_eq!(difference(&expected(&placed, &params(4)), &submit(&engine, &mut gpu)), None);
+}
+
 /// A word without room leaves the one before; it says what it wanted, and then there is room.
 #[test]
 fn a_word_without_room_leaves_the_one_before() {
@@ -250,7 +286,7 @@ fn rules_are_reloaded_or_nothing_changes() {
     // A tessellation without rules has none to change.
     let mut plain = Tessellator::new(&engine, &old.nets, &level, &options, &ROOM).expect("a tessellator");
     assert!(matches!(plain.reload(system, axiom, &params), Err(Error::NoRules)));
-    assert!(matches!(plain.set_params(&[]), Err(Error::NoRules)));
+    assert!(matches!(plain.set_params(&set(1, 0.5)), Err(Error::Plan(_))));
 }
 
 /// Nothing is made between frames, whatever changes from one to the next.

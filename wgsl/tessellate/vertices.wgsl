@@ -9,6 +9,7 @@ import topology;
 import tree;
 import control;
 import surface;
+import placement;
 
 // tessellate/vertex.rs
 struct Outputs {
@@ -33,6 +34,8 @@ struct Outputs {
 @group(0) @binding(7) var<storage, read> marks: array<u32>;
 @group(0) @binding(8) var<storage, read> offsets: array<u32>;
 @group(0) @binding(9) var<storage, read_write> vertex_words: array<u32>;
+// Of a placement: plan/placement.rs.
+@group(0) @binding(10) var<uniform> environment: array<vec4u, ENVIRONMENT_QUADS>;
 
 fn put(at: u32, value: f32) {
   vertex_words[at] = bitcast<u32>(value);
@@ -87,6 +90,26 @@ fn at_right_angles(n: vec3f) -> vec3f {
   return v / length_of(v);
 }
 
+// The unit vector along the file's u at right angles to the normal.
+fn tangent_of(orientation: u32, along_x: vec3f, along_y: vec3f, normal: vec3f) -> vec3f {
+  var u = select(along_x, along_y, (orientation & 4u) != 0u);
+  u = select(u, -u, (orientation & 1u) != 0u);
+  let tangent = u - normal * product_of(normal, u);
+  let size = length_of(tangent);
+  if size > 0.0 {
+    return tangent / size;
+  }
+  return at_right_angles(normal);
+}
+
+// A lattice point as the file has it.
+fn in_file(orientation: u32, p: vec2u) -> vec2u {
+  var q = select(p, p.yx, (orientation & 4u) != 0u);
+  q.x = turned(q.x, (orientation & 1u) != 0u);
+  q.y = turned(q.y, (orientation & 2u) != 0u);
+  return q;
+}
+
 fn write_vertex(v: u32, root: u32, p: vec2u, symbol: u32) {
   let orientation = orientation_of(root);
   let a = around(root, p);
@@ -95,7 +118,17 @@ fn write_vertex(v: u32, root: u32, p: vec2u, symbol: u32) {
   if SHARED && (NORMAL != 0u || TANGENT != 0u) && a.kind != INNER {
     patches = 1u + entry_count(a.record);
   }
+  // Whether, and where, it is displaced.
+  let moves = PLACED && (!PLACED_ON || lies_on(a));
+  var record: Record;
+  var placed = vec3f(0.0);
+  if moves {
+    record = own_record(a);
+    // +0 for -0.
+    placed = bitcast<vec3f>(record.q1.xyz) + placement(record) + vec3f(0.0);
+  }
   var own = vec3f(0.0);
+  var first = vec3f(0.0);
   var sum = vec3f(0.0);
   var position = vec3f(0.0);
   var along_x = vec3f(0.0);
@@ -108,13 +141,22 @@ fn write_vertex(v: u32, root: u32, p: vec2u, symbol: u32) {
     load_net(place.root);
     let found = normal_at(place.p);
     let n = select(found.normal, -found.normal, mirrors(place.root));
+    var face = Face(n, found.sample.du, found.sample.dv);
+    if moves && (NORMAL != 0u || TANGENT != 0u) {
+      face = placed_face(record.q0.yzw, place.root, place.p, found.sample, n, placed);
+    }
     if k == 0u {
       own = n;
+      first = face.normal;
       position = position_at(p, found.sample.position);
-      along_x = found.sample.du;
-      along_y = found.sample.dv;
+      along_x = face.du;
+      along_y = face.dv;
     }
-    sum += select(n, -n, product_of(n, own) < 0.0);
+    // By the smooth ones: displaced, both sides of a groove may face each other.
+    sum += select(face.normal, -face.normal, product_of(n, own) < 0.0);
+  }
+  if moves {
+    position = placed;
   }
   let at = outputs.position.x + v * outputs.position.y;
   if POSITION_SNORM {
@@ -128,7 +170,7 @@ fn write_vertex(v: u32, root: u32, p: vec2u, symbol: u32) {
   }
   if NORMAL != 0u || TANGENT != 0u {
     let total = length_of(sum);
-    var normal = own;
+    var normal = first;
     if patches > 1u && total > 0.0 {
       normal = sum / total;
     }
@@ -141,15 +183,7 @@ fn write_vertex(v: u32, root: u32, p: vec2u, symbol: u32) {
       vertex_words[at] = snorm16(octahedral(normal));
     }
     if TANGENT != 0u {
-      var u = select(along_x, along_y, (orientation & 4u) != 0u);
-      u = select(u, -u, (orientation & 1u) != 0u);
-      var tangent = u - normal * product_of(normal, u);
-      let size = length_of(tangent);
-      if size > 0.0 {
-        tangent = tangent / size;
-      } else {
-        tangent = at_right_angles(normal);
-      }
+      let tangent = tangent_of(orientation, along_x, along_y, normal);
       let at = outputs.tangent.x + v * outputs.tangent.y;
       if TANGENT == 1u {
         put(at, tangent.x);
@@ -162,10 +196,7 @@ fn write_vertex(v: u32, root: u32, p: vec2u, symbol: u32) {
     }
   }
   if UV != 0u {
-    var q = select(p, p.yx, (orientation & 4u) != 0u);
-    q.x = turned(q.x, (orientation & 1u) != 0u);
-    q.y = turned(q.y, (orientation & 2u) != 0u);
-    let uv = vec2f(q) / f32(FULL);
+    let uv = vec2f(in_file(orientation, p)) / f32(FULL);
     let at = outputs.uv.x + v * outputs.uv.y;
     if UV == 1u {
       put(at, uv.x);

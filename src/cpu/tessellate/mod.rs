@@ -8,6 +8,7 @@ pub mod decide;
 pub mod enter;
 pub mod finish;
 pub mod mark;
+pub mod placed;
 pub mod recall;
 pub mod split;
 pub mod tally;
@@ -15,7 +16,9 @@ pub mod triangles;
 pub mod vertices;
 
 use super::scan::scan;
+use crate::language::Value;
 use crate::patch::Net;
+use crate::plan::{self, Displacement, Plan};
 use crate::tessellate::budget::{Budget, ROUNDS};
 use crate::tessellate::lattice::Node;
 use crate::tessellate::level::Target;
@@ -79,6 +82,7 @@ pub struct Tessellator {
     status: Status,
     draw: DrawArgs,
     out: Out,
+    displacement: Option<Displacement>,
 }
 
 /// The columns of nodes: see [`crate::tessellate::passes`].
@@ -157,6 +161,31 @@ impl Tessellator {
             status: Status::default(),
             draw: DrawArgs::default(),
             out: Out::default(),
+            displacement: None,
+        }
+    }
+
+    /// Displaces the vertices of the frames to come by the placement that ends the plan's run, with the params,
+    /// queries, view and seed of the options; not at all where it has none. What is split is still decided on the
+    /// smooth surface.
+    ///
+    /// # Errors
+    /// For options that do not fit the plan, as [`Plan::uniforms`] and
+    /// [`Given::new`](crate::plan::Given::new) say.
+    pub fn displace(&mut self, plan: &Plan, options: &plan::Options) -> Result<(), plan::Error> {
+        self.displacement = Displacement::new(plan, self.topology.roots(), options)?;
+        Ok(())
+    }
+
+    /// Other values of some params of the placement, for the frames to come; the others stay.
+    ///
+    /// # Errors
+    /// As [`Plan::uniforms`]; [`plan::Error::Set`] for any where nothing is displaced. Then all stay.
+    pub fn set_params(&mut self, set: &[(String, Value)]) -> Result<(), plan::Error> {
+        match (&mut self.displacement, set.first()) {
+            (Some(displacement), _) => displacement.set_params(set),
+            (None, Some((name, _))) => Err(plan::placement::nothing_to_set(name)),
+            (None, None) => Ok(()),
         }
     }
 
@@ -201,6 +230,9 @@ impl Tessellator {
     }
     pub fn draw_args(&self) -> &DrawArgs {
         &self.draw
+    }
+    pub fn is_displaced(&self) -> bool {
+        self.displacement.is_some()
     }
     pub fn format(&self) -> &Format {
         &self.format
@@ -328,7 +360,11 @@ impl Tessellator {
     pub fn dice(&mut self) {
         let mut out = std::mem::take(&mut self.out.vertices);
         out.resize(self.status.vertices as usize * self.format.stride() as usize / 4, 0);
-        vertices::vertices(&self.patches(), &self.tree(), &self.trees, &self.format, &mut out);
+        let (patches, tree, trees, format) = (&self.patches(), &self.tree(), &self.trees, &self.format);
+        match &self.displacement {
+            None => vertices::vertices(patches, tree, trees, format, &mut out),
+            Some(displacement) => placed::vertices(patches, tree, trees, displacement, format, &mut out),
+        }
         self.out.vertices = out;
     }
 

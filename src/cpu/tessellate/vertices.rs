@@ -120,7 +120,7 @@ impl Batch {
 }
 
 /// The vertices of a leaf, in order: root, lattice point and symbol.
-fn each(tree: &Tree, node: u32, marks: u32, mut see: impl FnMut(u32, [u32; 2], u32)) {
+pub(super) fn each(tree: &Tree, node: u32, marks: u32, mut see: impl FnMut(u32, [u32; 2], u32)) {
     if !tree.is_leaf(node) {
         return;
     }

@@ -91,6 +91,8 @@ pub(super) struct Buffers {
     pub capacity: Capacity,
     pub nets: wgpu::Buffer,
     pub topology: wgpu::Buffer,
+    /// Of the placement.
+    pub environment: wgpu::Buffer,
     pub table: wgpu::Buffer,
     pub target: wgpu::Buffer,
     pub outputs: wgpu::Buffer,
@@ -193,6 +195,7 @@ impl Buffers {
             capacity: *capacity,
             nets: kept(|b| &b.nets, "burgeon control points", size_of_val(input.nets) as u64, written)?,
             topology: kept(|b| &b.topology, "burgeon topology", size_of_val(input.topology) as u64, written)?,
+            environment: kept(|b| &b.environment, "burgeon environment of the placement", 16, uniform)?,
             table: match input.derived {
                 Some(_) => make("burgeon leaves of the word", (SLOTS as u64 + slots) * 4, written)?,
                 None => kept(

@@ -4,7 +4,7 @@ use super::super::kernels::{Binding, Bound, Kernel};
 use super::super::run::Run;
 use super::super::{Engine, Error};
 use super::buffers::{Buffers, Of, RANGE_BYTES};
-use crate::codegen::{self, Tessellation};
+use crate::codegen::{self, Shader, Tessellation};
 
 /// One kernel a pass.
 pub(super) struct Kernels {
@@ -17,7 +17,7 @@ pub(super) struct Kernels {
     tally: Kernel,
     afford: Kernel,
     finish: Kernel,
-    vertices: Kernel,
+    pub vertices: Kernel,
     triangles: Kernel,
     pub derived: Option<Derived>,
 }
@@ -73,11 +73,7 @@ impl Kernels {
             tally: kernel(&s.tally, &[Slot, Uniform, Read, Read, Read, Read, Written, Written], &["tally"]),
             afford: kernel(&s.afford, &[Slot, Uniform, Uniform, Read, Written, Written], &["afford"]),
             finish: kernel(&s.finish, &[Slot, Uniform, Read, Read, Written, Written, Written], &["finish"]),
-            vertices: kernel(
-                &s.vertices,
-                &[Slot, Uniform, Read, Read, Read, Read, Read, Read, Read, Written],
-                &["vertices"],
-            ),
+            vertices: Kernels::vertices(engine, &s.vertices),
             triangles: kernel(
                 &s.triangles,
                 &[Slot, Uniform, Read, Read, Read, Read, Read, Read, Written, Written],
@@ -146,6 +142,12 @@ impl Kernels {
             adopt: kernels.adopt.bind(engine, &adopt),
             enter: kernels.enter.bind(engine, &enter),
         })
+    }
+
+    /// The kernel of the vertices, of one placement or another.
+    pub fn vertices(engine: &Engine, shader: &Shader) -> Kernel {
+        let bindings = [Slot, Uniform, Read, Read, Read, Read, Read, Read, Read, Written, Uniform];
+        Kernel::with_bindings(engine, shader, &bindings, &["vertices"])
     }
 
     /// Binds the buffers; `now` says whose turn it is.
@@ -219,7 +221,7 @@ impl Kernels {
                 range,
                 &all![&b.outputs, &b.topology, &b.nets, &b.nodes, children, &b.table, &b.marks, &b.offsets]
                     .into_iter()
-                    .chain([b.vertices.binding()])
+                    .chain([b.vertices.binding(), Binding::whole(&b.environment)])
                     .collect::<Vec<_>>(),
             ),
             triangles: bind(

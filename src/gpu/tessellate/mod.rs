@@ -72,6 +72,10 @@
 //!   flickers at the limit.
 //! - **[Freezing](Tessellator::freeze)** keeps the triangles as they are while the camera goes on, to look
 //!   at them from the side; points may still move.
+//! - **Displacement**: [`Tessellator::displace`] moves the vertices by the `place` that ends the run of a system
+//!   ([reference](crate::language#displacement)), and [`Tessellator::set_params`] gives its params other values from
+//!   frame to frame. Tolerances bound the smooth surface: where the displacement is finer, raise the least
+//!   [`Level::depth`]. Packed positions are shares of a box that must hold the displaced surface.
 //! - **Seams**: patches share the vertices of their common curves, with the normal and uv of one of them.
 //!   Where each is to have its own, as a texture or a crease wants, take [`Options::seams`]; positions are
 //!   then equal to the bit, and there is still no crack.
@@ -80,6 +84,7 @@ mod buffers;
 mod capacity;
 mod kernels;
 mod layout;
+mod placement;
 mod read;
 mod rules;
 mod slab;
@@ -89,6 +94,7 @@ use super::run::Run;
 use super::{Engine, Error};
 use crate::codegen::Tessellation;
 use crate::patch::{Net, Word};
+use crate::plan::Displacement;
 use crate::tessellate::budget::ROUNDS;
 use crate::tessellate::lattice::Node;
 use crate::tessellate::level::Target;
@@ -129,6 +135,7 @@ pub struct Tessellator {
     report: Report<Status>,
     /// Where the word is derived with the frame.
     rules: Option<Rules>,
+    displacement: Option<Displacement>,
 }
 
 impl Tessellator {
@@ -227,6 +234,7 @@ impl Tessellator {
                 frozen: false,
                 report: Report::new(engine),
                 rules,
+                displacement: None,
             })
         })?;
         tessellator.set_level(level)?;

@@ -8,7 +8,7 @@ use super::{Capacity, Tessellator};
 use crate::language::expr::Value;
 use crate::language::system::System;
 use crate::patch::{Axiom, Net, Values};
-use crate::plan::{Plan, View};
+use crate::plan::{self, Plan, View, placement};
 use crate::tessellate::lattice::NOWHERE;
 use crate::tessellate::word::MOST_SHAPES;
 use crate::tessellate::{Level, Options, Topology};
@@ -32,6 +32,11 @@ impl<'a> Given<'a> {
         Given { plan: run.plan(), axiom: run.axiom(), options: run.options() }
     }
 
+    fn of_a_plan(&self) -> plan::Options<'static> {
+        let run::Options { set, bind, view, seed } = self.options.clone();
+        plan::Options { set, bind, view, seed, ..plan::Options::default() }
+    }
+
     pub fn derived(&self, modules: u32) -> Derived {
         let layout = &self.plan.tables.layout;
         Derived {
@@ -44,7 +49,8 @@ impl<'a> Given<'a> {
 }
 
 impl Tessellator {
-    /// For the word that rules derive of an axiom, anew with each frame: params, bound values, the view and the
+    /// For the word that rules derive of an axiom, anew with each frame, displaced by the placement that ends their run,
+    /// if one does: params, bound values, the view and the
     /// control points may change from frame to frame, and the cells of the surface with them.
     /// [`Capacity::modules`] is the room for the word.
     ///
@@ -64,7 +70,12 @@ impl Tessellator {
         let nets: Vec<Net> = axiom.roots.iter().map(|root| root.net.clone()).collect();
         let topology = Topology::new(&nets)?;
         let given = Given { plan: &plan, axiom, options: run };
-        Tessellator::with_start(engine, &nets, topology, vec![], Some(given), level, options, capacity)
+        let mut tessellator =
+            Tessellator::with_start(engine, &nets, topology, vec![], Some(given), level, options, capacity)?;
+        if plan.placement.is_some() {
+            tessellator.displace(&plan, &given.of_a_plan())?;
+        }
+        Ok(tessellator)
     }
 
     /// Binds the word to what may have been made anew.
@@ -79,16 +90,28 @@ impl Tessellator {
         self.rules.as_ref().map(|rules| &rules.run)
     }
 
-    /// Other values of params of the rules: those named are replaced. Holds from the next submission on; nothing is
-    /// compiled, and buffers are made only where the schedule becomes longer than it ever was.
+    /// Other values of params of the rules and of the placement that displaces them: those named are replaced. They are
+    /// written through the queue, for the next submission and all after it; nothing is compiled, and buffers are made
+    /// only where the schedule of rules becomes longer than it ever was.
     ///
     /// # Errors
-    /// As for [`Run::set`], and [`Error::NoRules`]; then nothing has changed.
+    /// [`Error::Plan`] as [`Plan::uniforms`], and for any param where there are neither rules nor a placement; then
+    /// nothing has changed.
     pub fn set_params(&mut self, params: &[(String, Value)]) -> Result<(), Error> {
-        self.change(|run| run.set(params))
+        if self.rules.is_none() && self.displacement.is_none() {
+            return match params.first() {
+                Some((name, _)) => Err(placement::nothing_to_set(name).into()),
+                None => Ok(()),
+            };
+        }
+        if self.rules.is_some() {
+            self.change(|run| run.set(params))?;
+        }
+        // Of the same system, if there are both.
+        self.set_placement(params)
     }
 
-    /// Other values of a query without `=`.
+    /// Other values of a query without `=`, for the rules; a placement keeps those that it began with.
     ///
     /// # Errors
     /// As for [`Run::bind`], and [`Error::NoRules`]; then nothing has changed.
@@ -136,6 +159,9 @@ impl Tessellator {
         let plan = Plan::keeping_holes(system).map_err(crate::plan::Error::from)?;
         let given = Given { plan: &plan, axiom, options: run };
         let new = Run::with_points(&engine, &plan, axiom, run, modules, Some(&self.buffers.nets))?;
+        if plan.placement.is_some() || self.displacement.is_some() {
+            self.displace(&plan, &given.of_a_plan())?;
+        }
         self.buffers.write_source(&engine, &given.derived(modules));
         self.rules = Some(Rules { run: new, groups: None });
         self.bind_rules();

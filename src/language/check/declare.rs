@@ -5,7 +5,7 @@ use super::{Checker, code, suggest};
 use crate::language::diagnostic::Diagnostic;
 use crate::language::expr::Type;
 use crate::language::syntax::{self, AttributeKind, Item, Name, Number, Span};
-use crate::language::system::{Field, Kind, Query, Symbol, SymbolId, Topology};
+use crate::language::system::{Field, Kind, Placement, Query, Symbol, SymbolId, Topology};
 use std::collections::HashMap;
 
 /// The turtle's symbols: what their one argument is called and what it is when omitted.
@@ -296,24 +296,32 @@ impl<'a> Checker<'a> {
         for item in &self.system.items {
             let Item::Place(place) = item else { continue };
             self.reserved(&place.name);
-            if let Some(first) = self.places.insert(&place.name.text, place.name.span) {
-                self.duplicate("placements", &place.name.text, place.name.span, first);
+            let index = self.places.len();
+            match self.places.get(place.name.text.as_str()) {
+                Some(&(_, first)) => {
+                    self.duplicate("placements", &place.name.text, place.name.span, first);
+                }
+                None => _ = self.places.insert(&place.name.text, (index, place.name.span)),
             }
         }
     }
 
-    pub(super) fn place_values(&mut self) {
+    /// The placements in order of declaration; not all of them where one is at fault.
+    pub(super) fn place_values(&mut self) -> Vec<Placement> {
+        let mut placements = Vec::new();
         if matches!(self.kind, Kind::Curve(_)) {
-            return;
+            return placements;
         }
         for item in &self.system.items {
             let Item::Place(place) = item else { continue };
-            for symbol in &place.on {
-                self.symbol(symbol);
-            }
+            let on = place.on.iter().filter_map(|symbol| self.symbol(symbol)).collect();
             let mut scope = Scope::new(Where::Place);
-            self.expr(&mut scope, &place.value, &Type::Vec3, || "`place` gives a position, a vec3".into());
+            let value = self
+                .expr(&mut scope, &place.value, &Type::Vec3, || "`place` gives a position, a vec3".into());
+            let (name, span) = (place.name.text.clone(), place.name.span);
+            placements.extend(value.map(|value| Placement { name, on, value, span }));
         }
+        placements
     }
 
     pub(super) fn declare_groups(&mut self) {

@@ -9,6 +9,7 @@ use crate::language::expr::{Expr, ExprKind, Value};
 use crate::language::ops;
 use crate::language::syntax::Span;
 use crate::language::system::{Uniform, UniformKind};
+use crate::language::vocabulary::{Attribute, Owner};
 
 impl<'a> Checker<'a> {
     pub(super) fn name(&mut self, scope: &mut Scope<'a>, name: &str, span: Span) -> Option<Operand> {
@@ -38,9 +39,7 @@ impl<'a> Checker<'a> {
             };
         }
         let seen = |place: Where, kind, in_slot| {
-            move |a: &&crate::language::vocabulary::Attribute| {
-                a.name == name && place.sees(a.of, kind, in_slot)
-            }
+            move |a: &&Attribute| a.name == name && place.sees(a.of, kind, in_slot)
         };
         if let Some(attribute) =
             self.vocabulary.attributes.iter().find(seen(scope.place, self.kind, scope.in_slot))
@@ -79,7 +78,14 @@ impl<'a> Checker<'a> {
         if let Some(attribute) = elsewhere {
             let message = format!("`{name}` has no value in {}", scope.place.describe());
             let error = Diagnostic::error(code::NOT_HERE, span, message);
-            self.report(error.hint(format!("it is known in {}", attribute.of.describe())));
+            let of_meshes = |a: &Attribute| a.name == name && a.of == Owner::Place;
+            let hint = match scope.place {
+                Where::Place if self.vocabulary.attributes.iter().any(of_meshes) => {
+                    "what displaces a tessellation must not hang on how finely it is cut".to_string()
+                }
+                _ => format!("it is known in {}", attribute.of.describe()),
+            };
+            self.report(error.hint(hint));
             return;
         }
         if name == "_" {

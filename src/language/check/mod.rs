@@ -29,7 +29,7 @@ mod unreached;
 
 use super::diagnostic::{Diagnostic, Severity};
 use super::syntax::{self, Span};
-use super::system::{Axiom, Group, Kind, Query, Step, Symbol, SymbolId, System, Uniform};
+use super::system::{Axiom, Group, Kind, Placement, Query, Step, Symbol, SymbolId, System, Uniform};
 use super::vocabulary::Vocabulary;
 use super::{Value, parse};
 use names::Names;
@@ -173,7 +173,8 @@ struct Checker<'a> {
     queries: Vec<Query>,
     query_ids: HashMap<&'a str, Option<usize>>,
     templates: HashMap<&'a str, Template<'a>>,
-    places: HashMap<&'a str, Span>,
+    /// Names of placements with their index and place.
+    places: HashMap<&'a str, (usize, Span)>,
     volumes: HashMap<&'a str, Span>,
     /// Group names with their index and place.
     group_ids: HashMap<&'a str, (usize, Span)>,
@@ -233,17 +234,23 @@ impl<'a> Checker<'a> {
         self.declare_groups();
         let axiom = self.axiom();
         let groups = self.groups();
-        self.place_values();
+        let placements = self.place_values();
         let run = self.run();
         if self.errors() > 0 {
             return None;
         }
         self.base_sizes();
         self.unused();
-        (self.errors() == 0).then(|| self.lowered(axiom, groups, run))
+        (self.errors() == 0).then(|| self.lowered(axiom, groups, placements, run))
     }
 
-    fn lowered(&self, axiom: Axiom, groups: Vec<Group>, run: Vec<Step>) -> System {
+    fn lowered(
+        &self,
+        axiom: Axiom,
+        groups: Vec<Group>,
+        placements: Vec<Placement>,
+        run: Vec<Step>,
+    ) -> System {
         System {
             name: self.system.name.text.clone(),
             kind: self.kind,
@@ -252,6 +259,7 @@ impl<'a> Checker<'a> {
             queries: self.queries.clone(),
             axiom,
             groups,
+            placements,
             run,
             source: Arc::new(self.system.clone()),
         }

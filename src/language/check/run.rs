@@ -35,11 +35,11 @@ impl<'a> Checker<'a> {
     fn steps(&mut self, steps: &'a [syntax::Step], outermost: bool) -> Vec<Step> {
         let mut lowered = Vec::with_capacity(steps.len());
         for (index, step) in steps.iter().enumerate() {
-            if let syntax::StepKind::Place(_) = step.kind
+            if let syntax::StepKind::Place(name) = &step.kind
                 && matches!(self.kind, Kind::Patch { .. })
                 && !(outermost && index + 1 == steps.len())
             {
-                let message = "in a patch system `place` stands last";
+                let message = format!("in a patch system `place` stands last, and `{}` does not", name.text);
                 let error = Diagnostic::error(code::RUN_ORDER, step.span, message);
                 self.report(error.hint("it displaces the tessellation, not the nets"));
             }
@@ -73,9 +73,9 @@ impl<'a> Checker<'a> {
                 if matches!(self.kind, Kind::Curve(_)) {
                     self.wrong_kind("`place`", step.span, &[syntax::Kind::Mesh, syntax::Kind::Patch]);
                 } else {
-                    self.place_name(name);
+                    return self.place_name(name).map(StepKind::Place);
                 }
-                Some(StepKind::Other("place"))
+                None
             }
             syntax::StepKind::Mark { module, condition, .. } => {
                 self.mark(module, condition, step.span);
@@ -178,14 +178,17 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn place_name(&mut self, name: &'a Name) {
-        if !self.places.contains_key(name.text.as_str()) {
+    /// The index of a placement.
+    fn place_name(&mut self, name: &'a Name) -> Option<usize> {
+        let known = self.places.get(name.text.as_str()).map(|(index, _)| *index);
+        if known.is_none() {
             let hint = self.nearest(&name.text, self.places.keys().copied());
             let message = format!("no placement `{}` is declared", name.text);
             let error = Diagnostic::error(code::UNKNOWN_PLACE, name.span, message);
             let declare = || format!("declare it: `place {} = p + normal * …`", name.text);
             self.report(error.hint(hint.unwrap_or_else(declare)));
         }
+        known
     }
 
     fn mark(&mut self, module: &'a syntax::ModuleUse, condition: &'a syntax::Expr, span: Span) {

@@ -37,6 +37,7 @@ impl Where {
             _ if owner == Owner::Slot => in_slot,
             Where::Const | Where::Param | Where::Axiom | Where::Run => false,
             Where::Rule | Where::Query => owner == Owner::Rule || modules,
+            Where::Place if matches!(kind, Kind::Patch { .. }) => owner == Owner::Displacement,
             Where::Place => owner == Owner::Place,
             Where::Mark => owner == Owner::Face,
             Where::Crease => owner == Owner::Edge,

@@ -134,8 +134,8 @@ struct Normal {
   sample: Sample,
 }
 
-// The unit normal, of a point a little towards the middle where the product is nothing but rounding.
-fn normal_at(p: vec2u) -> Normal {
+// The largest coordinate of the net.
+fn far_of_net() -> f32 {
   var far = 0.0;
   for (var r = 0u; r < ROWS; r++) {
     for (var c = 0u; c < COLUMNS; c++) {
@@ -144,8 +144,16 @@ fn normal_at(p: vec2u) -> Normal {
       far = max(far, max(a.x, max(a.y, a.z)) / p.w);
     }
   }
-  let noise = NOISE * far;
-  let at = vec2f(p) / f32(FULL);
+  return far;
+}
+
+// The unit normal, of a point a little towards the middle where the product is nothing but rounding.
+fn normal_at(p: vec2u) -> Normal {
+  return normal_near(vec2f(p) / f32(FULL));
+}
+
+fn normal_near(at: vec2f) -> Normal {
+  let noise = NOISE * far_of_net();
   var result: Normal;
   result.normal = vec3f(0.0, 0.0, 1.0);
   for (var attempt = 0u; attempt < 3u; attempt++) {
