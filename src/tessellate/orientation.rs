@@ -22,15 +22,20 @@ impl Orientation {
         all.min_by(|a, b| key(*a).cmp(key(*b))).unwrap_or_default()
     }
 
-    fn flips(self, direction: usize) -> bool {
+    /// Whether a direction of the file is turned round.
+    #[inline]
+    pub fn flips(self, direction: usize) -> bool {
         self.0 >> direction & 1 != 0
     }
 
-    fn transposes(self) -> bool {
+    /// Whether x lies along the file's v.
+    #[inline]
+    pub fn transposes(self) -> bool {
         self.0 & 4 != 0
     }
 
     /// Whether normals and the sense of triangles turn over.
+    #[inline]
     pub fn mirrors(self) -> bool {
         self.0.count_ones() & 1 != 0
     }

@@ -88,6 +88,43 @@ impl Patches<'_> {
     }
 }
 
+/// Lattice points that are computed at once.
+pub const LANES: usize = 8;
+
+/// Lattice points along each side of a tile.
+pub const TILE: usize = 4;
+
+/// x, y and z of L vectors.
+pub type Wide<const L: usize> = [[f32; L]; 3];
+
+/// Points and their derivatives: x, y and z of each as a row of L lanes.
+#[derive(Clone, Copy, Debug)]
+pub struct Points<const L: usize> {
+    pub position: Wide<L>,
+    pub du: Wide<L>,
+    pub dv: Wide<L>,
+}
+
+impl<const L: usize> Default for Points<L> {
+    fn default() -> Points<L> {
+        let zero = [[0.0; L]; 3];
+        Points { position: zero, du: zero, dv: zero }
+    }
+}
+
+/// The same, and unit normals.
+#[derive(Clone, Copy, Debug)]
+pub struct Samples<const L: usize> {
+    pub points: Points<L>,
+    pub normal: Wide<L>,
+}
+
+impl<const L: usize> Default for Samples<L> {
+    fn default() -> Samples<L> {
+        Samples { points: Points::default(), normal: [[0.0; L]; 3] }
+    }
+}
+
 /// A point and its derivatives, in space.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {
@@ -142,18 +179,64 @@ impl Control {
     /// Point and derivatives at (u, v), both in 0..=1.
     #[inline]
     pub fn sample(&self, [u, v]: [f32; 2]) -> Sample {
-        let [position, du, dv] = self.samples([[u], [v]]);
-        let one = |v: [[f32; 1]; 3]| Vec3::new(v[0][0], v[1][0], v[2][0]);
-        Sample { position: one(position), du: one(du), dv: one(dv) }
-    }
-
-    /// The same for L parameters at once: x, y and z of the points, and of the derivatives.
-    #[inline]
-    pub(super) fn samples<const L: usize>(&self, uv: [[f32; L]; 2]) -> [[[f32; L]; 3]; 3] {
+        let mut found = Points::<1>::default();
         match (self.rows, self.columns, self.rational) {
             // With the sizes known the compiler unrolls it.
-            (4, 4, false) => sum(&self.points, 4, 4, false, uv),
-            (rows, columns, rational) => sum(&self.points, rows, columns, rational, uv),
+            (4, 4, false) => sum(&self.points, 4, 4, false, [[u], [v]], &mut found),
+            (rows, columns, rational) => sum(&self.points, rows, columns, rational, [[u], [v]], &mut found),
+        };
+        let one = |v: [[f32; 1]; 3]| Vec3::new(v[0][0], v[1][0], v[2][0]);
+        Sample { position: one(found.position), du: one(found.du), dv: one(found.dv) }
+    }
+
+    /// The same at several lattice points, and what [`Control::normal`] says of them.
+    #[inline]
+    pub fn samples(&self, points: &[[u32; 2]; LANES], found: &mut Samples<LANES>) {
+        let u = each(|l| parameter(points[l][0]));
+        let v = each(|l| parameter(points[l][1]));
+        match (self.rows, self.columns, self.rational) {
+            (4, 4, false) => sum(&self.points, 4, 4, false, [u, v], &mut found.points),
+            (rows, columns, rational) => {
+                sum(&self.points, rows, columns, rational, [u, v], &mut found.points)
+            }
+        }
+        self.normals(found, |l| points[l]);
+    }
+
+    /// The same for all points of a tile, a row for each place along y.
+    #[inline]
+    pub fn tile(&self, x: &[u32; TILE], y: &[u32; TILE], found: &mut [Samples<TILE>; TILE]) {
+        let uv = [each(|l| parameter(x[l])), each(|l| parameter(y[l]))];
+        match (self.rows, self.columns, self.rational) {
+            (4, 4, false) => sums(&self.points, 4, 4, false, uv, found),
+            (rows, columns, rational) => sums(&self.points, rows, columns, rational, uv, found),
+        }
+        for (row, &y) in found.iter_mut().zip(y) {
+            self.normals(row, |l| [x[l], y]);
+        }
+    }
+
+    /// The normals of points that are there.
+    #[inline(always)]
+    fn normals<const L: usize>(&self, found: &mut Samples<L>, at: impl Fn(usize) -> [u32; 2]) {
+        let Points { du, dv, .. } = &found.points;
+        let product = wide_cross(du, dv);
+        let (n, u, v) = (wide_length(&product), wide_length(du), wide_length(dv));
+        for k in 0..3 {
+            found.normal[k] = each(|l| product[k][l] / n[l]);
+        }
+        let noise = self.noise;
+        let least: [f32; L] = each(|l| noise * u[l] + noise * v[l]);
+        let mut certain = true;
+        for l in 0..L {
+            certain &= n[l] > least[l];
+        }
+        if !certain {
+            // Also where the length is no number.
+            for l in (0..L).filter(|&l| !(n[l] > least[l])) {
+                let normal = self.normal(at(l)).0.to_array();
+                (0..3).for_each(|k| found.normal[k][l] = normal[k]);
+            }
         }
     }
 
@@ -214,6 +297,20 @@ pub fn cross(a: Vec3, b: Vec3) -> Vec3 {
     Vec3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
 }
 
+#[inline(always)]
+fn wide_length<const L: usize>(v: &Wide<L>) -> [f32; L] {
+    each(|l| (v[0][l] * v[0][l] + v[1][l] * v[1][l] + v[2][l] * v[2][l]).sqrt())
+}
+
+#[inline(always)]
+fn wide_cross<const L: usize>(a: &Wide<L>, b: &Wide<L>) -> Wide<L> {
+    [
+        each(|l| a[1][l] * b[2][l] - a[2][l] * b[1][l]),
+        each(|l| a[2][l] * b[0][l] - a[0][l] * b[2][l]),
+        each(|l| a[0][l] * b[1][l] - a[1][l] * b[0][l]),
+    ]
+}
+
 #[inline]
 fn project(p: Vec4) -> Vec3 {
     Vec3::new(p.x / p.w, p.y / p.w, p.z / p.w)
@@ -243,47 +340,53 @@ fn halve_towards(curve: &mut [Vec4; MOST], n: usize, t: u32) -> Vec4 {
     }
 }
 
+/// A number for each of L lanes. A plain loop, which the compiler makes one of vectors.
+#[inline(always)]
+pub(super) fn each<const L: usize, T: Copy + Default>(of: impl Fn(usize) -> T) -> [T; L] {
+    let mut all = [T::default(); L];
+    for l in 0..L {
+        all[l] = of(l);
+    }
+    all
+}
+
 /// Bernstein weights of a degree, or their derivatives, each for L parameters.
 type Weights<const L: usize> = [[f32; L]; MOST];
 
-/// The Bernstein weights of a degree at t, and their derivatives.
+/// The Bernstein weights of a degree at t, and their derivatives, written where they are read: as a result
+/// they would be copied.
 #[inline(always)]
-fn bernstein<const L: usize>(points: usize, t: [f32; L]) -> (Weights<L>, Weights<L>) {
-    let s = t.map(|t| 1.0 - t);
-    let (mut w, mut slopes) = ([[0.0; L]; MOST], [[0.0; L]; MOST]);
+fn bernstein<const L: usize>(points: usize, t: [f32; L], w: &mut Weights<L>, slopes: &mut Weights<L>) {
+    let s: [f32; L] = each(|l| 1.0 - t[l]);
     w[0] = [1.0; L];
     for n in 1..points {
         if n + 1 == points {
+            let mut before = [0.0; L];
             for k in 0..points {
-                for l in 0..L {
-                    let before = if k > 0 { w[k - 1][l] } else { 0.0 };
-                    slopes[k][l] = n as f32 * (before - w[k][l]);
-                }
+                slopes[k] = each(|l| n as f32 * (before[l] - w[k][l]));
+                before = w[k];
             }
         }
-        for l in 0..L {
-            w[n][l] = t[l] * w[n - 1][l];
+        let mut before = w[0];
+        w[0] = each(|l| before[l] * s[l]);
+        for k in 1..n {
+            let here = w[k];
+            w[k] = each(|l| s[l] * here[l] + t[l] * before[l]);
+            before = here;
         }
-        for k in (1..n).rev() {
-            for l in 0..L {
-                w[k][l] = s[l] * w[k][l] + t[l] * w[k - 1][l];
-            }
-        }
-        for l in 0..L {
-            w[0][l] *= s[l];
-        }
+        w[n] = each(|l| t[l] * before[l]);
     }
-    (w, slopes)
 }
 
-/// sum += weight · x
+/// A lattice coordinate as a parameter: exact.
 #[inline(always)]
-fn add<const L: usize>(sum: &mut [f32; L], weight: &[f32; L], x: &[f32; L]) {
-    for l in 0..L {
-        sum[l] += weight[l] * x[l];
-    }
+fn parameter(x: u32) -> f32 {
+    x as i32 as f32 / FULL as f32
 }
 
+/// Points and derivatives. One coordinate after the other, so that what is summed stays in registers. Of a bicubic
+/// net these are 48 flops for the weights and 17 for each of 12 columns of coordinates, but 1 less for each of 9
+/// sums: 243.
 #[inline(always)]
 fn sum<const L: usize>(
     points: &[Vec4; MOST * MOST],
@@ -291,36 +394,119 @@ fn sum<const L: usize>(
     columns: usize,
     rational: bool,
     [u, v]: [[f32; L]; 2],
-) -> [[[f32; L]; 3]; 3] {
-    let (bu, su) = bernstein(rows, u);
-    let (bv, sv) = bernstein(columns, v);
-    let mut all = [[[0.0; L]; 4]; 3];
-    let components = if rational { 4 } else { 3 };
+    found: &mut Points<L>,
+) {
+    let (mut bu, mut su, mut bv, mut sv) =
+        ([[0.0; L]; MOST], [[0.0; L]; MOST], [[0.0; L]; MOST], [[0.0; L]; MOST]);
+    bernstein(rows, u, &mut bu, &mut su);
+    bernstein(columns, v, &mut bv, &mut sv);
+    let mut w = [[1.0; L]; 3];
+    for k in coordinates(rational) {
+        let (mut value, mut slope) = ([[0.0; L]; MOST], [[0.0; L]; MOST]);
+        along_u(points, [rows, columns], k, [&bu, &su], [&mut value, &mut slope]);
+        let sums = along_v(columns, [&value, &slope], [&bv, &sv]);
+        put(k, sums, rational, &mut w, found);
+    }
+}
+
+/// The same at all crossings of L places along either direction: what is summed along u is read again for each place
+/// along v. Of a bicubic net these are 54 + 42 + 63 flops for a point of a tile of 4 by 4.
+#[inline(always)]
+fn sums<const L: usize>(
+    points: &[Vec4; MOST * MOST],
+    rows: usize,
+    columns: usize,
+    rational: bool,
+    [u, v]: [[f32; L]; 2],
+    found: &mut [Samples<L>; L],
+) {
+    let (mut bu, mut su, mut bv, mut sv) =
+        ([[0.0; L]; MOST], [[0.0; L]; MOST], [[0.0; L]; MOST], [[0.0; L]; MOST]);
+    bernstein(rows, u, &mut bu, &mut su);
+    bernstein(columns, v, &mut bv, &mut sv);
+    let (mut values, mut slopes) = ([[[0.0; L]; MOST]; 4], [[[0.0; L]; MOST]; 4]);
+    for k in coordinates(rational) {
+        along_u(points, [rows, columns], k, [&bu, &su], [&mut values[k], &mut slopes[k]]);
+    }
+    for (r, found) in found.iter_mut().enumerate() {
+        let (mut b, mut s) = ([[0.0; L]; MOST], [[0.0; L]; MOST]);
+        for j in 0..columns {
+            (b[j], s[j]) = ([bv[j][r]; L], [sv[j][r]; L]);
+        }
+        let mut w = [[1.0; L]; 3];
+        for k in coordinates(rational) {
+            let sums = along_v(columns, [&values[k], &slopes[k]], [&b, &s]);
+            put(k, sums, rational, &mut w, &mut found.points);
+        }
+    }
+}
+
+/// x, y and z, and before them the weight, if there is one.
+#[inline(always)]
+fn coordinates(rational: bool) -> impl Iterator<Item = usize> {
+    (usize::from(!rational)..4).map(|n| (n + 3) % 4)
+}
+
+/// One coordinate of each column of points at a place along u, and its derivative.
+#[inline(always)]
+fn along_u<const L: usize>(
+    points: &[Vec4; MOST * MOST],
+    [rows, columns]: [usize; 2],
+    k: usize,
+    [weights, slopes]: [&Weights<L>; 2],
+    [value, slope]: [&mut Weights<L>; 2],
+) {
     for j in 0..columns {
-        for k in 0..components {
-            let (mut value, mut slope) = ([0.0; L], [0.0; L]);
-            for i in 0..rows {
-                let p = [points[i * columns + j][k]; L];
-                add(&mut value, &bu[i], &p);
-                add(&mut slope, &su[i], &p);
-            }
-            add(&mut all[0][k], &bv[j], &value);
-            add(&mut all[1][k], &bv[j], &slope);
-            add(&mut all[2][k], &sv[j], &value);
+        for i in 0..rows {
+            let p = points[i * columns + j][k];
+            value[j] = first_or_sum(i, &value[j], |l| weights[i][l] * p);
+            slope[j] = first_or_sum(i, &slope[j], |l| slopes[i][l] * p);
         }
     }
-    let [mut point, mut du, mut dv] = all;
+}
+
+/// The coordinate and its derivatives at a place along v.
+#[inline(always)]
+fn along_v<const L: usize>(
+    columns: usize,
+    [value, slope]: [&Weights<L>; 2],
+    [weights, slopes]: [&Weights<L>; 2],
+) -> [[f32; L]; 3] {
+    let (mut point, mut du, mut dv) = ([0.0; L], [0.0; L], [0.0; L]);
+    for j in 0..columns {
+        point = first_or_sum(j, &point, |l| weights[j][l] * value[j][l]);
+        du = first_or_sum(j, &du, |l| weights[j][l] * slope[j][l]);
+        dv = first_or_sum(j, &dv, |l| slopes[j][l] * value[j][l]);
+    }
+    [point, du, dv]
+}
+
+/// Keeps a coordinate and its derivatives; those of the weight come first, and divide the others.
+#[inline(always)]
+fn put<const L: usize>(
+    k: usize,
+    sums: [[f32; L]; 3],
+    rational: bool,
+    weight: &mut [[f32; L]; 3],
+    found: &mut Points<L>,
+) {
+    if k == 3 {
+        *weight = sums;
+        return;
+    }
+    let ([mut point, mut du, mut dv], [w, wu, wv]) = (sums, &*weight);
     if rational {
-        for l in 0..L {
-            let w = point[3][l];
-            for k in 0..3 {
-                point[k][l] /= w;
-                du[k][l] = (du[k][l] - point[k][l] * du[3][l]) / w;
-                dv[k][l] = (dv[k][l] - point[k][l] * dv[3][l]) / w;
-            }
-        }
+        point = each(|l| point[l] / w[l]);
+        du = each(|l| (du[l] - point[l] * wu[l]) / w[l]);
+        dv = each(|l| (dv[l] - point[l] * wv[l]) / w[l]);
     }
-    [point, du, dv].map(|[x, y, z, _]| [x, y, z])
+    (found.position[k], found.du[k], found.dv[k]) = (point, du, dv);
+}
+
+/// The sum with one more term; the first begins it, since 0 + x costs an addition, which rounds -0.
+#[inline(always)]
+fn first_or_sum<const L: usize>(n: usize, sum: &[f32; L], term: impl Fn(usize) -> f32) -> [f32; L] {
+    if n == 0 { each(term) } else { each(|l| sum[l] + term(l)) }
 }
 
 /// The control points of a cell, written over `cell`: those of its root, halved along x as often as it was,

@@ -2,7 +2,10 @@
 
 use super::lattice::FULL;
 use super::orientation::Orientation;
-use super::surface::{Control, Patches, Sample, cross, dot, length};
+use super::placement::on_side;
+use super::surface::{
+    Control, LANES, Patches, Points, Sample, Samples, TILE, Wide, cross, dot, each, length,
+};
 use super::topology::orientation_of;
 use super::tree::Tree;
 use super::vertex::Vertex;
@@ -29,7 +32,7 @@ impl Tree<'_> {
         patches.load(net, root, orientation);
         let (normal, sample) = net.normal(p);
         let mut normal = if orientation.mirrors() { -normal } else { normal };
-        if self.shared {
+        if self.shared && on_side(p) {
             let mut sum = normal;
             self.sharing(root, p, |r, q, own| {
                 if own {
@@ -54,58 +57,129 @@ impl Tree<'_> {
         }
     }
 
-    /// Vertices inside one root, as many as [`LANES`] at once; what is behind `points` is one of them again.
-    pub fn vertices_inside(
+    /// What a root says of some of its lattice points, before other patches that share them are asked. The net is kept
+    /// from call to call, and so is room for what is found.
+    #[inline]
+    pub fn own<'a>(
         &self,
         patches: &Patches,
-        net: &mut Control,
+        (net, samples): (&mut Control, &'a mut Samples<LANES>),
         root: u32,
-        points: &[[u32; 2]],
-        tangents: bool,
-    ) -> [Vertex; LANES] {
+        points: &[[u32; 2]; LANES],
+    ) -> Own<'a, LANES> {
         let orientation = self.orientation(root);
         patches.load(net, root, orientation);
-        let last = points.len() - 1;
-        let uv = [0, 1].map(|k| std::array::from_fn(|l| points[l.min(last)][k] as f32 / FULL as f32));
-        let [position, du, dv] = net.samples::<LANES>(uv);
-        let product = |l: usize| -> [f32; 3] {
-            let at = |k: usize, n: usize| du[k][l] * dv[n][l] - du[n][l] * dv[k][l];
-            [at(1, 2), at(2, 0), at(0, 1)]
-        };
-        let sizes = |v: &dyn Fn(usize) -> [f32; 3]| -> [f32; LANES] {
-            std::array::from_fn(|l| {
-                let [x, y, z] = v(l);
-                (x * x + y * y + z * z).sqrt()
-            })
-        };
-        let of = |v: &[[f32; LANES]; 3], l: usize| [v[0][l], v[1][l], v[2][l]];
-        let lengths = [sizes(&product), sizes(&|l| of(&du, l)), sizes(&|l| of(&dv, l))];
-        std::array::from_fn(|l| {
-            let p = points[l.min(last)];
-            let sample = Sample {
-                position: Vec3::from(of(&position, l)),
-                du: Vec3::from(of(&du, l)),
-                dv: Vec3::from(of(&dv, l)),
-            };
-            let [n, u, v] = lengths.map(|lengths| lengths[l]);
-            let normal = match n > net.noise * u + net.noise * v {
-                true => Vec3::from(product(l)) / n,
-                false => net.normal(p).0,
-            };
-            let normal = if orientation.mirrors() { -normal } else { normal };
-            Vertex {
-                position: sample.position + Vec3::ZERO,
-                normal,
-                tangent: tangent(orientation, &sample, normal, tangents),
-                uv: orientation.uv(p),
-                source: [root, 0],
-            }
-        })
+        net.samples(points, samples);
+        Own::new(root, orientation, samples)
+    }
+
+    /// The same of all crossings of some lines along x and y, row by row.
+    #[inline(always)]
+    pub fn own_tile<'a>(
+        &self,
+        patches: &Patches,
+        (net, samples): (&mut Control, &'a mut [Samples<TILE>; TILE]),
+        root: u32,
+        [x, y]: [&[u32; TILE]; 2],
+    ) -> [Own<'a, TILE>; TILE] {
+        let orientation = self.orientation(root);
+        patches.load(net, root, orientation);
+        net.tile(x, y, samples);
+        let [a, b, c, d] = samples;
+        let own = |row| Own::new(root, orientation, row);
+        [own(a), own(b), own(c), own(d)]
     }
 }
 
-/// Vertices that are computed at once.
-pub const LANES: usize = 8;
+/// Vertices as their own root has them, lane by lane.
+pub struct Own<'a, const L: usize> {
+    root: u32,
+    orientation: Orientation,
+    pub samples: &'a Samples<L>,
+}
+
+impl<'a, const L: usize> Own<'a, L> {
+    #[inline(always)]
+    fn new(root: u32, orientation: Orientation, samples: &'a mut Samples<L>) -> Own<'a, L> {
+        if orientation.mirrors() {
+            samples.normal.as_flattened_mut().iter_mut().for_each(|x| *x = -*x);
+        }
+        Own { root, orientation, samples }
+    }
+
+    /// Texture coordinates of the same points.
+    #[inline]
+    pub fn uv(&self, points: &[[u32; 2]; L]) -> [[f32; L]; 2] {
+        // Parameters are exact, and so is what is left of 1.
+        let at = |x: bool, turns: bool| -> [f32; L] {
+            let (x, from, sign) =
+                (usize::from(x), if turns { 1.0 } else { 0.0 }, if turns { -1.0 } else { 1.0 });
+            each(|l| from + sign * (points[l][x] as i32 as f32 / FULL as f32))
+        };
+        let turned = self.orientation.transposes();
+        [at(turned, self.orientation.flips(0)), at(!turned, self.orientation.flips(1))]
+    }
+
+    /// One of them, which no other patch shares.
+    pub fn vertex(&self, lane: usize, p: [u32; 2], symbol: u32, tangents: bool) -> Vertex {
+        let normal = self.normal(lane);
+        Vertex {
+            position: at(&self.samples.points.position, lane) + Vec3::ZERO,
+            normal,
+            tangent: tangent(self.orientation, &self.sample(lane), normal, tangents),
+            uv: self.orientation.uv(p),
+            source: [self.root, symbol],
+        }
+    }
+
+    pub fn normal(&self, lane: usize) -> Vec3 {
+        at(&self.samples.normal, lane)
+    }
+
+    fn sample(&self, lane: usize) -> Sample {
+        let Points { position, du, dv } = &self.samples.points;
+        Sample { position: at(position, lane), du: at(du, lane), dv: at(dv, lane) }
+    }
+
+    /// One on its root's border; other patches are asked for their normals there.
+    pub fn rim(&self, net: &Control, lane: usize, p: [u32; 2], symbol: u32) -> Rim {
+        let mut vertex = self.vertex(lane, p, symbol, false);
+        vertex.position = net.position_of(p, vertex.position);
+        Rim { sum: vertex.normal, orientation: self.orientation, sample: self.sample(lane), vertex }
+    }
+}
+
+/// A vertex on the border of its root.
+pub struct Rim {
+    vertex: Vertex,
+    orientation: Orientation,
+    sample: Sample,
+    /// Of all normals so far.
+    sum: Vec3,
+}
+
+impl Rim {
+    /// The normal of another patch, turned to the side of the first.
+    pub fn see(&mut self, other: Vec3) {
+        self.sum += if dot(other, self.vertex.normal) < 0.0 { -other } else { other };
+    }
+
+    /// The vertex, with the mean of the normals if patches share it.
+    pub fn vertex(&self, shared: bool, tangents: bool) -> Vertex {
+        let mut vertex = self.vertex;
+        let length = length(self.sum);
+        if shared && length > 0.0 {
+            vertex.normal = self.sum / length;
+        }
+        vertex.tangent = tangent(self.orientation, &self.sample, vertex.normal, tangents);
+        vertex
+    }
+}
+
+#[inline]
+fn at<const L: usize>(v: &Wide<L>, lane: usize) -> Vec3 {
+    Vec3::new(v[0][lane], v[1][lane], v[2][lane])
+}
 
 /// The unit vector along the file's u at right angles to the normal, if it is wanted.
 #[inline]

@@ -42,20 +42,26 @@ fn bernstein(points: u32, t: f32) -> Basis {
 fn sample(uv: vec2f) -> Sample {
   let u = bernstein(ROWS, uv.x);
   let v = bernstein(COLUMNS, uv.y);
-  var point = vec4f(0.0);
-  var du = vec4f(0.0);
-  var dv = vec4f(0.0);
+  var point: vec4f;
+  var du: vec4f;
+  var dv: vec4f;
+  // The first term begins a sum: 0 + x costs an addition.
   for (var c = 0u; c < COLUMNS; c++) {
-    var value = vec4f(0.0);
-    var slope = vec4f(0.0);
-    for (var r = 0u; r < ROWS; r++) {
-      let p = net[r][c];
-      value += u.w[r] * p;
-      slope += u.d[r] * p;
+    var value = u.w[0] * net[0][c];
+    var slope = u.d[0] * net[0][c];
+    for (var r = 1u; r < ROWS; r++) {
+      value += u.w[r] * net[r][c];
+      slope += u.d[r] * net[r][c];
     }
-    point += v.w[c] * value;
-    du += v.w[c] * slope;
-    dv += v.d[c] * value;
+    if c == 0u {
+      point = v.w[0] * value;
+      du = v.w[0] * slope;
+      dv = v.d[0] * value;
+    } else {
+      point += v.w[c] * value;
+      du += v.w[c] * slope;
+      dv += v.d[c] * value;
+    }
   }
   if !RATIONAL {
     return Sample(point.xyz, du.xyz, dv.xyz);
