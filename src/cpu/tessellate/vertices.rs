@@ -6,6 +6,9 @@
 //! size stand together, as most do, their far corners share what they have in common, and take 192 in all. What
 //! remains is computed eight at once, those of one root together; so is what other patches say of a border's normals.
 
+// Loops over lanes count them, so that the compiler takes them together.
+#![allow(clippy::needless_range_loop)]
+
 use super::tally::extra;
 use super::{BLOCK, Trees};
 use crate::tessellate::lattice::{FULL, Node};
