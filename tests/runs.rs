@@ -223,6 +223,8 @@ const MUTANTS: &[(&str, &str, &str)] = &[
     ("proceed", "RUN_STEP] = progress.steps", "RUN_STEP] = turn.index"),
     ("proceed", "HALTED] = progress.halted", "HALTED] = 0u"),
     ("proceed", "workgroups(total, EMIT_NETS)", "workgroups(total / 2u, EMIT_NETS)"),
+    ("progress", "modules: u32,\n  needed: u32", "needed: u32,\n  modules: u32"),
+    ("progress", "steps: u32,\n  frame: u32", "frame: u32,\n  steps: u32"),
     ("match_modules", "extent.halted == 0u", "true"),
     ("workgroups", "invocations + workgroup - 1u", "invocations"),
     ("workgroups", "min(groups, ALONG_X)", "min(groups, 1u)"),

@@ -5,6 +5,7 @@
 // One invocation: reads some 60 bytes and writes 80.
 
 import extent;
+import progress;
 import workgroups;
 
 struct Turn {
@@ -12,17 +13,6 @@ struct Turn {
   growth: u32,
   flags: u32,
   reserved_0: u32,
-}
-
-struct Progress {
-  modules: u32,
-  needed: u32,
-  capacity: u32,
-  too_deep: u32,
-  steps: u32,
-  frame: u32,
-  fired: u32,
-  halted: u32,
 }
 
 @group(0) @binding(0) var<uniform> turn: Turn;

@@ -24,6 +24,7 @@ const FILES: &[(&str, &str)] = files![
     "shared/halving"
     "shared/ops"
     "shared/prefix"
+    "shared/progress"
     "shared/rows"
     "shared/rules"
     "shared/spine"

@@ -19,8 +19,8 @@
 //! triangles     by the leaf whose side it has                      marks, offsets → indices, cells
 //! ```
 //!
-//! The first three run where rules are derived with the frame: `gpu/run`. Nothing decides an index but a scan; `mark` sets bits, in any order. All counts are on the device, and
-//! no pass waits for the host.
+//! The first three run where rules are derived with the frame: `gpu/run`. Nothing decides an index but a scan; `mark`
+//! sets bits, in any order. All counts are on the device, and no pass waits for the host.
 
 use super::lattice::{FULL, NOWHERE, Node, SIDE_CORNERS, along};
 use super::topology::{curve_of, side_at};

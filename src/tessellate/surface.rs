@@ -5,11 +5,15 @@
 //! So meshes whose vertices are not shared between patches still have none apart. Points inside are sums of
 //! Bernstein weights. [`crate::patch::evaluate`] is the same in f64, from leaves.
 
+// Loops over lanes count them, so that the compiler takes them together.
+#![allow(clippy::needless_range_loop)]
+
 use super::lattice::{FULL, LEVELS, NOWHERE, Node, along};
 use super::orientation::{self, Orientation};
 use super::topology::side_at;
 use crate::patch::MAX_DEGREE;
 use glam::{Vec3, Vec4};
+use std::cmp::Ordering;
 
 /// Points along one direction of the largest net.
 const MOST: usize = MAX_DEGREE as usize + 1;
@@ -233,7 +237,7 @@ impl Control {
         }
         if !certain {
             // Also where the length is no number.
-            for l in (0..L).filter(|&l| !(n[l] > least[l])) {
+            for l in (0..L).filter(|&l| n[l].partial_cmp(&least[l]) != Some(Ordering::Greater)) {
                 let normal = self.normal(at(l)).0.to_array();
                 (0..3).for_each(|k| found.normal[k][l] = normal[k]);
             }

@@ -331,6 +331,7 @@ const MUTANTS: &[(&str, &str, &str)] = &[
     ("recall", "|| is_void(root)", ""),
     ("recall", "(symbol & 0x7fffu) << 16u", "0u"),
     ("recall", "= leaf_at(root, shape, c.zw)", "= NOWHERE"),
+    ("source", "hole: u32,\n  // Slots of the table.\n  slots: u32", "slots: u32,\n  hole: u32"),
     ("adopt", "adopted = select(0u, 1u, whole)", "adopted = 0u"),
     ("adopt", "workgroups(ranges[0], WORKGROUP)", "workgroups(ranges[0] / 2u, WORKGROUP)"),
     ("adopt", "status[10] = progress.capacity", "status[10] = 0u"),

@@ -4,7 +4,9 @@ use super::device::{ROOM, made, submit};
 use super::{file, kernels};
 use crate::device;
 use burgeon::gpu::tessellate::{Capacity, Frame, Slab, Tessellator, VertexLayout};
-use burgeon::gpu::{Engine, Error};
+use burgeon::gpu::{Engine, Error, run};
+use burgeon::language::System;
+use burgeon::patch::Axiom;
 use burgeon::tessellate::vertex::{Format, Normal};
 use burgeon::tessellate::{Level, Options};
 use wgpu::{BufferUsages, VertexFormat};
@@ -235,4 +237,32 @@ fn a_pipeline_reads_vertices_as_their_format_lays_them() {
     let attributes = buffers[0].as_ref().expect("a buffer").attributes;
     assert_eq!((attributes[1].format, attributes[1].offset), (VertexFormat::Snorm16x2, 12));
     assert_eq!((attributes[2].format, attributes[2].offset), (VertexFormat::Float32x2, 16));
+}
+
+/// Rules that are loaded anew over other patches write to the slab that was there.
+#[test]
+fn other_patches_keep_the_slab() {
+    let Some(headless) = device::headless() else { return };
+    let engine = Engine::new(&headless.device, &headless.queue);
+    let (options, level) = (bare(), Level::world(0.3));
+    let text = "system quarters : patch bezier 3\nmodule P\naxiom: P = file \"teapot.bpt\"\nrules:\n  \
+                P -> [ P eps ; P P ]\nrun:\n  derive 2\n";
+    let system = System::parse(text).expect("rules");
+    let axiom = Axiom::load::<String>(&system, &mut |name| Ok(file(name, false))).expect("an axiom");
+    let room = Capacity { nodes: 3_000, vertices: 3_000, indices: 15_000, modules: 1_000 };
+    let make = |axiom: &Axiom| {
+        let params = run::Options::default();
+        Tessellator::of_rules(&engine, &system, axiom, &params, &level, &options, &room).expect("rules")
+    };
+    let slab = Slab { first_vertex: 7, first_index: 11, draw_offset: 4, ..slab(&engine) };
+    let mut gpu = make(&axiom);
+    gpu.set_slab(&slab, &room).expect("a slab");
+    submit(&engine, &mut gpu);
+    holds(&engine, &slab, &submit(&engine, &mut make(&axiom)));
+    let mut fewer = axiom.clone();
+    fewer.roots.truncate(20);
+    gpu.reload(&system, &fewer, &run::Options::default()).expect("fewer patches");
+    assert_eq!(gpu.vertices(), &slab.vertices);
+    submit(&engine, &mut gpu);
+    holds(&engine, &slab, &submit(&engine, &mut make(&fewer)));
 }

@@ -4,7 +4,7 @@
 // One invocation.
 
 import lattice;
-import source;
+import progress;
 import workgroups;
 
 @group(0) @binding(0) var<uniform> sizes: Sizes;

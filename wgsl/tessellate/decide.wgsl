@@ -3,7 +3,7 @@
 // An invocation a cell: its control points are made from its root's, which no buffer then has to hold, by the weights
 // that the ends of the cell give. So it takes as long at any depth, and no loop carries a net. Reads 16·R·C bytes,
 // mostly from caches, and 24 more. For a bicubic net 16 points become others along x, then along y: 32 sums of 7 flops a
-// coordinate, 672, or 896 with weights; those of either direction take 150 more, and the bound 270, or 700.
+// coordinate, 672, or 896 with weights; the shares of both directions take 264 more, and the bound 420, or 940.
 
 import lattice;
 import topology;
@@ -23,7 +23,6 @@ import budget;
 @group(0) @binding(8) var<storage, read> leaves_before: array<u32>;
 @group(0) @binding(9) var<storage, read_write> counts: array<u32>;
 @group(0) @binding(10) var<storage, read_write> marks: array<u32>;
-
 
 // Weights of the points of a curve, of which one more counts than before.
 fn count_one(w: array<f32, LINES>, t: f32) -> array<f32, LINES> {

@@ -5,6 +5,7 @@
 
 import lattice;
 import topology;
+import progress;
 import source;
 import table;
 

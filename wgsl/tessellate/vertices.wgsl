@@ -226,37 +226,47 @@ fn vertices(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) g
   let n = nodes[i];
   let mark = marks[i];
   var at = offsets[i];
-  // The corners in order, then the centre; each invocation its own next, since most leaves own but one.
+  // The corners in order, then the centre; each invocation its own next, since most leaves own but one. Then the
+  // ends of its sides on other patches. All are written in one place: the kernel is long enough once.
   var rest = (mark >> OWNS) & 31u;
-  while rest != 0u {
-    let c = firstTrailingBit(rest);
-    rest &= rest - 1u;
-    var p = centre_of(n);
-    if c < 4u {
-      p = corner_of(n, c);
-    }
-    write_vertex(at, n.x, p, symbol_of(n));
-    at += 1u;
-  }
-  if SHARED {
-    return;
-  }
   let depth = depth_of(n);
-  for (var side = 0u; side < 4u; side++) {
-    let count = across_count(n, side);
-    if on_border(n, side) && pushes(n, side, mark, count) {
-      for (var k = 0u; k < count; k++) {
-        let to = across(n, side, k);
-        if takes(to, depth[along(side)]) {
-          let ends = foreign(n, side, to);
-          for (var end = 0u; end < 2u; end++) {
-            if !has_corner(nodes[to.node], ends[end]) {
-              write_vertex(at, to.root, ends[end], symbol_of(nodes[to.node]));
-              at += 1u;
-            }
-          }
+  var side = 0u;
+  var other = 0u;
+  var end = 0u;
+  loop {
+    var root = n.x;
+    var symbol = symbol_of(n);
+    var p = centre_of(n);
+    var found = rest != 0u;
+    if found {
+      let c = firstTrailingBit(rest);
+      rest &= rest - 1u;
+      if c < 4u {
+        p = corner_of(n, c);
+      }
+    } else if !SHARED {
+      while side < 4u && !found {
+        let count = across_count(n, side);
+        if other >= count || !on_border(n, side) || !pushes(n, side, mark, count) {
+          side += 1u;
+          other = 0u;
+          continue;
         }
+        let to = across(n, side, other);
+        if takes(to, depth[along(side)]) {
+          root = to.root;
+          symbol = symbol_of(nodes[to.node]);
+          p = foreign(n, side, to)[end];
+          found = !has_corner(nodes[to.node], p);
+          end = 1u - end;
+        }
+        other += select(1u, 0u, end != 0u);
       }
     }
+    if !found {
+      break;
+    }
+    write_vertex(at, root, p, symbol);
+    at += 1u;
   }
 }

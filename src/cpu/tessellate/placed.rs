@@ -5,7 +5,7 @@
 //! and four for the slopes on each patch that shares it); then it runs over them as columns.
 
 use super::super::program::{self, Input, Registers};
-use super::vertices::each;
+use super::vertices::{Out, each, tasks};
 use super::{BLOCK, Trees};
 use crate::plan::layout::Layout;
 use crate::plan::placement::{Displacement, RECORD_WORDS};
@@ -30,36 +30,12 @@ pub fn vertices(
 ) {
     let environment = displacement.environment(0);
     let surface = Surface { patches, tree, displacement, environment: &environment, format };
-    let blocks = tree.nodes.len().div_ceil(BLOCK);
-    let block = |work: &mut Work, block: usize| {
-        let nodes = block * BLOCK..tree.nodes.len().min((block + 1) * BLOCK);
-        surface.block(work, nodes, trees)
-    };
-    let all: Vec<Vec<Vertex>> = (0..blocks).into_par_iter().map_init(Work::default, block).collect();
-    let all: Vec<Vertex> = all.into_iter().flatten().collect();
-    write(&all, format, out);
-}
-
-/// Writes vertices one after the other, or each attribute to its section.
-fn write(vertices: &[Vertex], format: &Format, out: &mut [u32]) {
-    if vertices.is_empty() {
-        return;
-    }
-    if !format.separate {
-        let stride = format.stride() as usize / 4;
-        out.par_chunks_mut(stride).zip(vertices).for_each(|(out, vertex)| {
-            out.copy_from_slice(&vertex.words(format).0[..stride]);
-        });
-        return;
-    }
-    let (mut rest, mut from) = (out, 0);
-    for words in format.bytes().map(|bytes| bytes as usize / 4).into_iter().filter(|&words| words > 0) {
-        let (section, behind) = rest.split_at_mut(words * vertices.len());
-        section.par_chunks_mut(words).zip(vertices).for_each(|(out, vertex)| {
-            out.copy_from_slice(&vertex.words(format).0[from..from + words]);
-        });
-        (rest, from) = (behind, from + words);
-    }
+    tasks(trees, BLOCK, format, out).into_par_iter().for_each_init(
+        Work::default,
+        |work, (nodes, mut out)| {
+            surface.block(work, nodes, trees, &mut out);
+        },
+    );
 }
 
 struct Surface<'a> {
@@ -112,8 +88,8 @@ struct Probe {
 }
 
 impl Surface<'_> {
-    /// The vertices of some leaves.
-    fn block(&self, work: &mut Work, nodes: Range<usize>, trees: &Trees) -> Vec<Vertex> {
+    /// Writes the vertices of some leaves.
+    fn block(&self, work: &mut Work, nodes: Range<usize>, trees: &Trees, out: &mut Out) {
         work.waiting.clear();
         work.faces.clear();
         work.probes.clear();
@@ -125,7 +101,9 @@ impl Surface<'_> {
         }
         self.run(work);
         let Work { nets: [net, _], waiting, faces, probes, offsets, .. } = work;
-        waiting.drain(..).map(|w| self.finish(net, w, faces, probes, offsets)).collect()
+        for (at, waiting) in waiting.drain(..).enumerate() {
+            out.write(at, &self.finish(net, waiting, faces, probes, offsets));
+        }
     }
 
     /// Asks for the places that a vertex needs.

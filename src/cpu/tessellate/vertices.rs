@@ -6,6 +6,9 @@
 //! what they have in common, and take 150. What remains is computed eight at once, those of one root together; so is
 //! what other patches say of a border's normals.
 
+// Loops over lanes count them, so that the compiler takes them together.
+#![allow(clippy::needless_range_loop)]
+
 use super::tally::extra;
 use super::{BLOCK, Trees};
 use crate::tessellate::lattice::{FULL, Node};
@@ -29,12 +32,25 @@ const WORTH: u32 = 5;
 
 /// Writes all vertices in the format.
 pub fn vertices(patches: &Patches, tree: &Tree, trees: &Trees, format: &Format, out: &mut [u32]) {
+    let tasks = tasks(trees, TASK, format, out);
+    tasks.into_par_iter().for_each_init(Work::default, |work, (nodes, out)| {
+        let mut task = Task { patches, tree, trees, out };
+        task.tiles(work, nodes);
+        task.others(work);
+    });
+}
+
+/// So many nodes a task, and its own part of each section to write their vertices to.
+pub(super) fn tasks<'a, 'b>(
+    trees: &Trees,
+    nodes: usize,
+    format: &'a Format,
+    out: &'b mut [u32],
+) -> Vec<(Range<usize>, Out<'a, 'b>)> {
     let count = *trees.offsets.last().unwrap_or(&0);
-    // Each block of leaves writes to its own part of each section.
-    let places = format.places(count);
     let mut sections: Vec<(usize, &mut [u32])> = Vec::new();
     let mut rest = out;
-    for place in places.iter().flatten() {
+    for place in format.places(count).iter().flatten() {
         if format.separate || sections.is_empty() {
             let stride = place.stride as usize / 4;
             let (section, behind) = rest.split_at_mut(stride * count as usize);
@@ -42,9 +58,11 @@ pub fn vertices(patches: &Patches, tree: &Tree, trees: &Trees, format: &Format, 
             rest = behind;
         }
     }
-    let mut blocks = Vec::new();
-    for start in (0..tree.nodes.len()).step_by(TASK) {
-        let end = tree.nodes.len().min(start + TASK);
+    let plain = *format == Format::default();
+    let all = trees.nodes.len();
+    let mut tasks = Vec::with_capacity(all.div_ceil(nodes));
+    for start in (0..all).step_by(nodes) {
+        let end = all.min(start + nodes);
         let vertices = (trees.offsets[end] - trees.offsets[start]) as usize;
         let mut parts = Vec::with_capacity(sections.len());
         for (stride, section) in &mut sections {
@@ -52,14 +70,9 @@ pub fn vertices(patches: &Patches, tree: &Tree, trees: &Trees, format: &Format, 
             *section = behind;
             parts.push((*stride, part));
         }
-        blocks.push((start..end, parts));
+        tasks.push((start..end, Out { format, plain, parts }));
     }
-    let plain = *format == Format::default();
-    blocks.into_par_iter().for_each_init(Work::default, |work, (nodes, parts)| {
-        let mut task = Task { patches, tree, trees, out: Out { format, plain, parts } };
-        task.tiles(work, nodes);
-        task.others(work);
-    });
+    tasks
 }
 
 /// A vertex to be computed.
@@ -280,8 +293,8 @@ fn run<T>(all: &[T], of: impl Fn(&T) -> (u32, [u32; 2])) -> (usize, [[u32; 2]; L
     (len, points)
 }
 
-/// The vertices of a task.
-struct Out<'a, 'b> {
+/// Where the vertices of a task go.
+pub(super) struct Out<'a, 'b> {
     format: &'a Format,
     /// It is [`Format::default`].
     plain: bool,
@@ -320,7 +333,7 @@ impl Out<'_, '_> {
         ];
     }
 
-    fn write(&mut self, at: usize, vertex: &Vertex) {
+    pub fn write(&mut self, at: usize, vertex: &Vertex) {
         if self.plain {
             let Vertex { position: p, normal: n, uv, .. } = vertex;
             let words = [p.x, p.y, p.z, n.x, n.y, n.z, uv[0], uv[1]].map(f32::to_bits);

@@ -68,6 +68,7 @@ pub struct Run {
     plan: Plan,
     axiom: patch::Axiom,
     options: Options,
+    uniforms: Vec<Value>,
     given: Given,
     turns: Vec<Turn>,
     room: Room,
@@ -145,6 +146,7 @@ impl Run {
                 plan: plan.clone(),
                 axiom: axiom.clone(),
                 options: options.clone(),
+                uniforms: asked.uniforms,
                 given: asked.given,
                 turns: asked.turns,
                 room,
@@ -198,10 +200,11 @@ impl Run {
     fn take(&mut self, options: Options) -> Result<(), Error> {
         let asked = Asked::of(&self.plan, &self.axiom, &options)?;
         let engine = self.engine.clone();
-        if self.axiom.roots.iter().any(|root| !root.args.is_empty()) {
-            let (records, _) = self.plan.axiom(&self.axiom, &asked.uniforms)?;
-            engine.queue.write_buffer(&self.buffers.records[0], 0, bytemuck::cast_slice(&records));
-        }
+        let changed = self.uniforms != asked.uniforms;
+        let records = match changed && self.axiom.roots.iter().any(|root| !root.args.is_empty()) {
+            true => Some(self.plan.axiom(&self.axiom, &asked.uniforms)?.0),
+            false => None,
+        };
         let wanted =
             Room { given: asked.given.words.len(), turns: asked.turns.len(), modules: self.room.modules };
         if !self.room.holds(&wanted) {
@@ -211,12 +214,15 @@ impl Run {
                 ..wanted
             })?;
         }
+        if let Some(records) = records {
+            engine.queue.write_buffer(&self.buffers.records[0], 0, bytemuck::cast_slice(&records));
+        }
         for (id, kernels) in &self.stages {
             let words = environment(&self.plan, *id, &asked.uniforms, &asked.given);
             engine.queue.write_buffer(&kernels.environment, 0, bytemuck::cast_slice(&words));
         }
         let others = self.given.words != asked.given.words;
-        (self.options, self.given) = (options, asked.given);
+        (self.options, self.uniforms, self.given) = (options, asked.uniforms, asked.given);
         if others {
             self.write_given();
         }

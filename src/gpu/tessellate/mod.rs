@@ -107,7 +107,7 @@ pub use capacity::Capacity;
 use kernels::{Groups, Kernels, Pass};
 pub use layout::VertexLayout;
 pub use read::Frame;
-use rules::{Given, Rules};
+use rules::{Rewriting, Rules};
 pub use slab::Slab;
 
 /// A set of patches, and the buffers of its tessellation.
@@ -181,19 +181,19 @@ impl Tessellator {
         nets: &[Net],
         topology: Topology,
         start: Vec<Node>,
-        given: Option<Given>,
+        rewriting: Option<Rewriting>,
         level: &Level,
         options: &Options,
         capacity: &Capacity,
     ) -> Result<Tessellator, Error> {
         let points: Vec<[f32; 4]> = nets.iter().flat_map(|net| net.points.iter().copied()).collect();
         let table = (!word::are_roots(&start)).then(|| Table::new(&start));
-        let derived = given.map(|given| given.derived(capacity.modules));
+        let derived = rewriting.map(|rewriting| rewriting.derived(capacity.modules));
         let what = Tessellation {
             degree: nets.first().map_or([3, 3], |net| net.degree),
             rational: points.iter().any(|p| p[3] != 1.0),
-            word: table.is_some() || given.is_some(),
-            derived: given.is_some(),
+            word: table.is_some() || rewriting.is_some(),
+            derived: rewriting.is_some(),
             options: *options,
         };
         let mut tessellator = engine.checked("preparing a tessellation", || {
@@ -208,11 +208,11 @@ impl Tessellator {
                 slab: None,
             };
             let buffers = Buffers::new(engine, &input, capacity, None)?;
-            let run = |given: Given| {
-                let Given { plan, axiom, options } = given;
+            let run = |rewriting: Rewriting| {
+                let Rewriting { plan, axiom, options } = rewriting;
                 Run::with_points(engine, plan, axiom, options, capacity.modules, Some(&buffers.nets))
             };
-            let run = given.map(run).transpose()?;
+            let run = rewriting.map(run).transpose()?;
             let rules = run.map(|run| Rules { groups: kernels.derived_groups(engine, &buffers, &run), run });
             let groups = [0, 1].map(|now| kernels.groups(engine, &buffers, now));
             let roots = 0..topology.roots() as u32;
@@ -277,7 +277,7 @@ impl Tessellator {
                 table: &[],
                 start: &self.start,
                 format: &self.what.options.format,
-                derived: self.rules.as_ref().map(|rules| Given::of(&rules.run).derived(capacity.modules)),
+                derived: self.rules.as_ref().map(|rules| Rewriting::of(&rules.run).derived(capacity.modules)),
                 slab: slab.as_ref(),
             };
             let buffers = Buffers::new(&engine, &input, capacity, Some(&self.buffers))?;

@@ -21,15 +21,15 @@ pub(super) struct Rules {
 
 /// Rules, where they begin, and with what.
 #[derive(Clone, Copy)]
-pub(super) struct Given<'a> {
+pub(super) struct Rewriting<'a> {
     pub plan: &'a Plan,
     pub axiom: &'a Axiom,
     pub options: &'a run::Options,
 }
 
-impl<'a> Given<'a> {
-    pub fn of(run: &'a Run) -> Given<'a> {
-        Given { plan: run.plan(), axiom: run.axiom(), options: run.options() }
+impl<'a> Rewriting<'a> {
+    pub fn of(run: &'a Run) -> Rewriting<'a> {
+        Rewriting { plan: run.plan(), axiom: run.axiom(), options: run.options() }
     }
 
     fn of_a_plan(&self) -> plan::Options<'static> {
@@ -49,10 +49,9 @@ impl<'a> Given<'a> {
 }
 
 impl Tessellator {
-    /// For the word that rules derive of an axiom, anew with each frame, displaced by the placement that ends their run,
-    /// if one does: params, bound values, the view and the
-    /// control points may change from frame to frame, and the cells of the surface with them.
-    /// [`Capacity::modules`] is the room for the word.
+    /// For the word that rules derive of an axiom, anew with each frame, displaced by the placement that ends their
+    /// run, if one does: params, bound values, the view and the control points may change from frame to frame, and
+    /// the cells of the surface with them. [`Capacity::modules`] is the room for the word.
     ///
     /// # Errors
     /// What [`Plan::new`] says of the system, [`Run::new`] of the axiom and the options, and
@@ -69,11 +68,19 @@ impl Tessellator {
         let plan = Plan::keeping_holes(system).map_err(crate::plan::Error::from)?;
         let nets: Vec<Net> = axiom.roots.iter().map(|root| root.net.clone()).collect();
         let topology = Topology::new(&nets)?;
-        let given = Given { plan: &plan, axiom, options: run };
-        let mut tessellator =
-            Tessellator::with_start(engine, &nets, topology, vec![], Some(given), level, options, capacity)?;
+        let rewriting = Rewriting { plan: &plan, axiom, options: run };
+        let mut tessellator = Tessellator::with_start(
+            engine,
+            &nets,
+            topology,
+            vec![],
+            Some(rewriting),
+            level,
+            options,
+            capacity,
+        )?;
         if plan.placement.is_some() {
-            tessellator.displace(&plan, &given.of_a_plan())?;
+            tessellator.displace(&plan, &rewriting.of_a_plan())?;
         }
         Ok(tessellator)
     }
@@ -139,7 +146,7 @@ impl Tessellator {
 
     /// Other rules, from the next frame on; or an error, and those that are there go on. Kernels of the rules are
     /// compiled here. Where the axiom has the patches that it had, control points stay where they were moved to,
-    /// and all buffers with what is drawn; else everything is made anew, and must be bound anew.
+    /// and all buffers with what is drawn; else all but a [`Slab`](super::Slab) is made anew, and must be bound anew.
     ///
     /// # Errors
     /// As for [`Tessellator::of_rules`], and [`Error::NoRules`]; then nothing has changed.
@@ -152,17 +159,20 @@ impl Tessellator {
             let (level, options) = (self.level.clone(), self.what.options);
             let capacity = self.capacity();
             let mut new = Tessellator::of_rules(&engine, system, axiom, run, &level, &options, &capacity)?;
+            if let Some(slab) = &self.buffers.slab {
+                new.set_slab(slab, &capacity)?;
+            }
             new.frozen = self.frozen;
             *self = new;
             return Ok(());
         }
         let plan = Plan::keeping_holes(system).map_err(crate::plan::Error::from)?;
-        let given = Given { plan: &plan, axiom, options: run };
+        let rewriting = Rewriting { plan: &plan, axiom, options: run };
         let new = Run::with_points(&engine, &plan, axiom, run, modules, Some(&self.buffers.nets))?;
         if plan.placement.is_some() || self.displacement.is_some() {
-            self.displace(&plan, &given.of_a_plan())?;
+            self.displace(&plan, &rewriting.of_a_plan())?;
         }
-        self.buffers.write_source(&engine, &given.derived(modules));
+        self.buffers.write_source(&engine, &rewriting.derived(modules));
         self.rules = Some(Rules { run: new, groups: None });
         self.bind_rules();
         Ok(())
