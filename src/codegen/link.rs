@@ -1,9 +1,10 @@
 //! Joins the files of `wgsl/`: `import NAME;` lines name files, each is joined once, before the
 //! file that names it; a prologue of constants and the generated code stand before all. Where every
-//! line came from is kept.
+//! line came from is kept. Loops over a net are [written out](super::unroll).
 
 use super::Error;
 use super::generate::Text;
+use super::unroll::unroll;
 use crate::language::Span;
 use std::borrow::Cow;
 
@@ -118,7 +119,10 @@ pub fn link(name: &'static str, constants: &str, generated: &Text, edit: Option<
         linked.line(&edited(GENERATED, line, edit), Origin::Generated(*span));
     }
     linked.join(name, Origin::Constants, edit, &mut Vec::new());
-    linked
+    let lines = linked.source.lines().map(str::to_string).zip(linked.origins).collect();
+    let mut unrolled = Linked { source: String::new(), origins: Vec::new() };
+    unroll(lines, constants).iter().for_each(|(line, origin)| unrolled.line(line, *origin));
+    unrolled
 }
 
 impl Linked {

@@ -6,6 +6,7 @@
 mod generate;
 mod link;
 mod tessellation;
+mod unroll;
 
 #[doc(hidden)]
 pub use link::{Edit, GENERATED};

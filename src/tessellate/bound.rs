@@ -19,7 +19,7 @@
 //!
 //! Each halving of both directions divides the differences by 4 or more, so the bound falls at least so fast.
 
-use super::surface::{Control, length};
+use super::surface::{Control, dot, length};
 use glam::{Vec3, Vec4};
 
 /// What rounding may do to a difference of points as large as 1, and to the sum of differences.
@@ -29,7 +29,9 @@ const ROUNDING: f32 = 1e-6;
 #[inline]
 pub fn error(net: &Control, projective: bool) -> f32 {
     match (net.rows, net.columns) {
-        (4, 4) => bound(&net.points[..16], 4, 4, projective),
+        // With all of it known the compiler unrolls it.
+        (4, 4) if projective => bound(&net.points[..16], 4, 4, true),
+        (4, 4) => bound(&net.points[..16], 4, 4, false),
         (rows, columns) => bound(&net.points[..rows * columns], rows, columns, projective),
     }
 }
@@ -49,7 +51,11 @@ fn bound(points: &[Vec4], rows: usize, columns: usize, projective: bool) -> f32 
         false => (Vec3::ZERO, 0.0),
         true => ((low + high) * 0.5, length((high - low) * 0.5)),
     };
-    let size = |d: Vec4| length(d.truncate() - middle * d.w) + r * d.w.abs();
+    // Or its square where weights are all 1: of the largest square one root is taken.
+    let size = |d: Vec4| match projective {
+        false => dot(d.truncate(), d.truncate()),
+        true => length(d.truncate() - middle * d.w) + r * d.w.abs(),
+    };
     let at = |i: usize, j: usize| points[i * columns + j];
     let (mut xx, mut xy, mut yy) = (0.0f32, 0.0f32, 0.0f32);
     for i in 0..rows {
@@ -64,6 +70,9 @@ fn bound(points: &[Vec4], rows: usize, columns: usize, projective: bool) -> f32 
                 yy = yy.max(size((at(i, j + 2) + at(i, j)) - 2.0 * at(i, j + 1)));
             }
         }
+    }
+    if !projective {
+        [xx, xy, yy] = [xx, xy, yy].map(f32::sqrt);
     }
     let (m, n) = (rows as f32 - 1.0, columns as f32 - 1.0);
     let k = m * (m - 1.0) * xx + 2.0 * m * n * xy + n * (n - 1.0) * yy;

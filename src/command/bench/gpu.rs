@@ -137,6 +137,19 @@ fn tessellations<'a>(
             times: vec![],
         });
     }
+    let (mut fine, s) = prepare(roots, &Level::world(tessellation::FINE))?;
+    frame(engine, &mut fine, None)?;
+    let device = engine.clone();
+    cases.push(Case {
+        name: "tessellate",
+        case: tessellation::FINE_VERTICES.to_string(),
+        backend: "gpu",
+        threads: 0,
+        bytes: 32 * u64::from(s.vertices) + 24 * u64::from(s.nodes),
+        items: s.vertices.into(),
+        run: Box::new(move || timed(|| frame(&device, &mut fine, Some(Part::Vertices)), |e| e)),
+        times: vec![],
+    });
     if crowd.is_empty() {
         return Ok(());
     }

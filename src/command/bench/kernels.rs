@@ -41,7 +41,7 @@ pub(super) fn bandwidth_cases(cases: &mut Vec<Case>) {
 
 /// Chains of a product and a sum in four lanes, on all threads: what arithmetic gives. Items are flops.
 pub(super) fn flops_case(cases: &mut Vec<Case>) {
-    const CHAINS: usize = 8;
+    const CHAINS: usize = 12;
     const STEPS: u32 = 1 << 20;
     let threads = threads();
     let chains = move || {

@@ -9,6 +9,11 @@ use std::time::Instant;
 /// The tolerance of the model as it is.
 pub(super) const TOLERANCE: f32 = 0.0025;
 
+/// One with so many vertices that what starts a pass no longer counts.
+pub(super) const FINE: f32 = 0.0001;
+
+pub(super) const FINE_VERTICES: &str = "vertices of 32 bytes, within 0.0001";
+
 /// Copies of the model along x and along z, in the crowd.
 const CROWD: usize = 100;
 
@@ -98,6 +103,12 @@ pub(super) fn cpu_cases<'a>(roots: &[Net], crowd: &[Net], cases: &mut Vec<Case<'
     let mut t = make()?;
     let each = 32 * vertices + 24 * nodes;
     add("vertices of 32 bytes", each, vertices, Box::new(move || infallible(|| t.dice())));
+    let mut t = new(roots)?;
+    let fine = Level::world(FINE).target().map_err(|e| Failure::Usage(format!("error: {e}")))?;
+    t.run(&fine);
+    let items = u64::from(t.status().vertices);
+    let each = 32 * items + 24 * u64::from(t.status().nodes);
+    add(FINE_VERTICES, each, items, Box::new(move || infallible(|| t.dice())));
     let mut t = make()?;
     let each = 16 * triangles + 24 * nodes;
     add("triangles", each, triangles, Box::new(move || infallible(|| t.connect())));

@@ -1,7 +1,7 @@
 //! Which cells of a level are split.
 //!
-//! A cell's control points are made from its root's, which no buffer then has to hold: 16·R·C bytes read,
-//! mostly from caches, and C·m(m + 1)/2 midpoints for each halving along x.
+//! A cell's control points are made from its root's, which no buffer then has to hold: 16·R·C bytes read, mostly from
+//! caches, and about 1,360 flops for a cell of a bicubic net, at any depth: see `wgsl/tessellate/decide.wgsl`.
 
 use super::{BLOCK, Trees};
 use crate::tessellate::lattice::{NOWHERE, Node};

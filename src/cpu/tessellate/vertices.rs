@@ -1,10 +1,10 @@
 //! Each vertex once, by the leaf that owns it: first those at its corners, in order, then its centre, then
 //! those that its triangles bring.
 //!
-//! A vertex of 32 bytes takes a root's control points, which caches hold, and 243 flops for the point and its
-//! derivatives, 33 for the normal: [`surface`](crate::tessellate::surface) counts them. Where 4 by 4 cells of one
-//! size stand together, as most do, their far corners share what they have in common, and take 192 in all. What
-//! remains is computed eight at once, those of one root together; so is what other patches say of a border's normals.
+//! A vertex of 32 bytes takes a root's control points, which caches hold, and 312 flops: 279 for the point and its
+//! derivatives, 33 for the normal. Where 4 by 4 cells of one size stand together, as most do, their far corners share
+//! what they have in common, and take 150. What remains is computed eight at once, those of one root together; so is
+//! what other patches say of a border's normals.
 
 // Loops over lanes count them, so that the compiler takes them together.
 #![allow(clippy::needless_range_loop)]
@@ -334,6 +334,12 @@ impl Out<'_, '_> {
     }
 
     pub fn write(&mut self, at: usize, vertex: &Vertex) {
+        if self.plain {
+            let Vertex { position: p, normal: n, uv, .. } = vertex;
+            let words = [p.x, p.y, p.z, n.x, n.y, n.z, uv[0], uv[1]].map(f32::to_bits);
+            self.parts[0].1.as_chunks_mut().0[at] = words;
+            return;
+        }
         let (words, counts) = vertex.words(self.format);
         if let [(stride, part)] = self.parts.as_mut_slice() {
             return part[at * *stride..][..*stride].copy_from_slice(&words[..*stride]);

@@ -3,7 +3,11 @@
 
 const ROUNDING = 1e-6;
 
-fn difference_size(d: vec4f, middle: vec3f, r: f32) -> f32 {
+// The size of a difference, or its square where weights are all 1: of the largest square one root is taken.
+fn difference_size(d: vec4f, middle: vec3f, r: f32, projective: bool) -> f32 {
+  if !projective {
+    return product_of(d.xyz, d.xyz);
+  }
   return length_of(d.xyz - middle * d.w) + r * abs(d.w);
 }
 
@@ -37,17 +41,22 @@ fn error_bound(projective: bool) -> f32 {
     for (var j = 0u; j < COLUMNS; j++) {
       if i + 2u < ROWS {
         let d = (net[i + 2u][j] + net[i][j]) - 2.0 * net[i + 1u][j];
-        xx = max(xx, difference_size(d, middle, r));
+        xx = max(xx, difference_size(d, middle, r, projective));
       }
       if i + 1u < ROWS && j + 1u < COLUMNS {
         let d = (net[i][j] + net[i + 1u][j + 1u]) - (net[i][j + 1u] + net[i + 1u][j]);
-        xy = max(xy, difference_size(d, middle, r));
+        xy = max(xy, difference_size(d, middle, r, projective));
       }
       if j + 2u < COLUMNS {
         let d = (net[i][j + 2u] + net[i][j]) - 2.0 * net[i][j + 1u];
-        yy = max(yy, difference_size(d, middle, r));
+        yy = max(yy, difference_size(d, middle, r, projective));
       }
     }
+  }
+  if !projective {
+    xx = sqrt(xx);
+    xy = sqrt(xy);
+    yy = sqrt(yy);
   }
   let m = f32(ROWS) - 1.0;
   let n = f32(COLUMNS) - 1.0;

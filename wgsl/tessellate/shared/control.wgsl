@@ -1,4 +1,4 @@
-// A root's control points in its canonical orientation: tessellate/surface.rs.
+// A root's control points in its canonical orientation: tessellate/surface/mod.rs.
 //
 // Rows and columns are indices of their own and loops run over all of each, so that drivers unroll them and keep
 // the net in registers.

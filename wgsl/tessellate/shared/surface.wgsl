@@ -1,4 +1,4 @@
-// Points of a root's surface: tessellate/surface.rs.
+// Points of a root's surface: tessellate/surface/mod.rs.
 
 struct Sample {
   position: vec3f,
