@@ -9,9 +9,10 @@ use super::step::Derivation;
 use super::turtle;
 use super::word::{Module, Token, Topology, Word};
 use burgeon::language::syntax::{
-    AttributeKind, AxiomKind, Element, Expr, ExprKind, FileItem, Item, Kind, ModuleDecl, ModuleUse, RuleFile,
-    Source, SourceKind, Start,
+    AttributeKind, AxiomKind, Element, Expr, ExprKind, FileItem, Item, Kind, ModuleDecl, ModuleUse, Rule,
+    RuleFile, Source, SourceKind, Start,
 };
+use std::collections::BTreeSet;
 
 /// The points of a file, of its curve of that index.
 pub type Points<'a> = dyn Fn(&str, Option<u32>) -> Vec<Vec<f64>> + 'a;
@@ -80,17 +81,27 @@ impl<'a> Oracle<'a> {
         self
     }
 
-    /// The word after every step; index 0 is the axiom.
-    pub fn derive(&self) -> Vec<Word> {
-        self.derive_within().expect("a derivation within its bound")
+    /// The word after every step, index 0 the axiom; `None` if the bound was passed.
+    pub fn derive_within(&self) -> Option<Vec<Word>> {
+        Some(self.run()?.0)
     }
 
-    /// As [`derive`](Self::derive); `None` if the bound was passed.
-    pub fn derive_within(&self) -> Option<Vec<Word>> {
+    /// The rules that fire at all.
+    pub fn fired(&self) -> Vec<Rule> {
+        let (_, fired) = self.run().expect("a derivation within its bound");
+        let groups = self.written.system.items.iter().filter_map(|item| match item {
+            Item::Rules(rules) => Some(&rules.rules),
+            _ => None,
+        });
+        groups.flatten().filter(|rule| fired.contains(&rule.span.start)).cloned().collect()
+    }
+
+    fn run(&self) -> Option<(Vec<Word>, BTreeSet<u32>)> {
         let constants = self.written.constants(&self.overrides);
         let given = self.seed.or_else(|| constants.get("seed").map(|seed| seed.clone().int() as u32));
         let words = vec![Word::new(self.topology, self.axiom(&constants)?)];
-        Derivation { oracle: self, constants: &constants, seed: given.unwrap_or(0), words }.run()
+        let (seed, fired) = (given.unwrap_or(0), Default::default());
+        Derivation { oracle: self, constants: &constants, seed, words, fired }.run()
     }
 
     /// All that `module` lines declare.

@@ -6,6 +6,7 @@
 mod compare;
 mod context;
 mod derive;
+pub mod papers;
 mod step;
 mod tests;
 mod turtle;
@@ -16,11 +17,14 @@ pub use derive::Oracle;
 pub use word::{Link, Module, Token, Topology, Word};
 
 use super::word::Param;
+use burgeon::language::syntax::Rule;
 
 /// A derivation and all that it needs.
 #[derive(Clone, Debug, Default)]
 pub struct Job {
     pub text: String,
+    /// The system to derive; else the last one.
+    pub system: Option<String>,
     /// What all files of the text hold.
     pub points: Vec<Vec<f64>>,
     /// Params that the host sets before the run.
@@ -36,6 +40,11 @@ impl Job {
         Job { text: text.into(), ..Job::default() }
     }
 
+    pub fn system(mut self, name: &str) -> Job {
+        self.system = Some(name.to_string());
+        self
+    }
+
     pub fn points(mut self, points: &[Vec<f64>]) -> Job {
         self.points = points.to_vec();
         self
@@ -46,7 +55,7 @@ impl Job {
         self
     }
 
-    /// The words of the last system: the axiom and the word after every step.
+    /// The words of the system: the axiom and the word after every step.
     #[track_caller]
     pub fn derive(&self) -> Vec<Word> {
         self.derive_within(usize::MAX).expect("no bounds")
@@ -55,12 +64,18 @@ impl Job {
     /// As [`derive`](Self::derive); `None` if a word has more modules.
     #[track_caller]
     pub fn derive_within(&self, modules: usize) -> Option<Vec<Word>> {
+        self.with(|oracle| oracle.bound(modules).derive_within())
+    }
+
+    /// The rules that fire at all.
+    pub fn fired(&self) -> Vec<Rule> {
+        self.with(|oracle| oracle.fired())
+    }
+
+    fn with<T>(&self, ask: impl FnOnce(Oracle) -> T) -> T {
         let file = super::parse(&self.text);
         let points = |_: &str, _: Option<u32>| self.points.clone();
-        let mut oracle = Oracle::new(&file, None, &points).seed(self.seed).steps(self.steps).bound(modules);
-        for (name, value) in &self.set {
-            oracle = oracle.set(name, *value);
-        }
-        oracle.derive_within()
+        let oracle = Oracle::new(&file, self.system.as_deref(), &points).seed(self.seed).steps(self.steps);
+        ask(self.set.iter().fold(oracle, |oracle, (name, value)| oracle.set(name, *value)))
     }
 }

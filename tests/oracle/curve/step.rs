@@ -10,6 +10,8 @@ use super::derive::{Oracle, in_field, number_roots};
 use super::turtle;
 use super::word::{Module, Token, Word};
 use burgeon::language::syntax::{DeriveCount, Element, Expr, Field, Name, Rule, Step, StepKind, Successor};
+use std::cell::RefCell;
+use std::collections::BTreeSet;
 
 /// A derivation under way.
 pub struct Derivation<'a> {
@@ -18,6 +20,8 @@ pub struct Derivation<'a> {
     pub seed: u32,
     /// The axiom and the word after every step so far.
     pub words: Vec<Word>,
+    /// The rules that have fired, by their place in the text.
+    pub fired: RefCell<BTreeSet<u32>>,
 }
 
 /// Why a derivation ends before its schedule does.
@@ -32,14 +36,14 @@ enum Stop {
 type Numbered<'r> = (usize, &'r Rule);
 
 impl Derivation<'_> {
-    /// All words; `None` if one outgrew the bound.
-    pub fn run(mut self) -> Option<Vec<Word>> {
+    /// All words, and the rules that fired; `None` if a word outgrew the bound.
+    pub fn run(mut self) -> Option<(Vec<Word>, BTreeSet<u32>)> {
         let done = match self.oracle.written.run() {
             Some(steps) => self.steps(steps),
             None => self.derive(1, false, &[]),
         };
         match done {
-            Ok(()) | Err(Stop::Steps) => Some(self.words),
+            Ok(()) | Err(Stop::Steps) => Some((self.words, self.fired.into_inner())),
             Err(Stop::Growth) => None,
         }
     }
@@ -146,15 +150,17 @@ impl Derivation<'_> {
                 // Strict predecessors follow one another without a bracket, and not around a ring.
                 let strict = old.tokens.get(at..at + length)?;
                 let together = strict.iter().all(|token| matches!(token, Token::Module(_)));
-                together.then(|| self.fire(*number, rule, &around, index, step))?.map(|new| (length, new))
+                let new = together.then(|| self.fire(*number, rule, &around, index, step))??;
+                Some((rule.span.start, length, new))
             };
             // At a position the first listed rule that matches wins; a leftover keeps itself.
             let (length, successor) = match rules.iter().find_map(fire) {
                 // A successor that is the module itself, bit by bit, does not count as fired.
-                Some((1, successor)) if is_itself(&successor, module) => (1, vec![token.clone()]),
-                Some(fires) => {
+                Some((_, 1, successor)) if is_itself(&successor, module) => (1, vec![token.clone()]),
+                Some((rule, length, successor)) => {
                     fired = true;
-                    fires
+                    self.fired.borrow_mut().insert(rule);
+                    (length, successor)
                 }
                 None => (1, vec![token.clone()]),
             };
