@@ -34,7 +34,7 @@ impl Backend<'_> {
 
     /// The points of the last word.
     fn last(&self, job: &Job) -> Vec<Point> {
-        self.points(job).pop().expect("an axiom")
+        points(self.words(job).last().expect("an axiom"))
     }
 
     /// `size` is that of the numbers that went into them.
@@ -65,8 +65,26 @@ fn symbols(word: &Seen) -> String {
     word.modules.iter().map(|m| m.symbol.as_str()).collect::<Vec<_>>().join(" ")
 }
 
-/// The checks whose systems are rings or open words.
-pub const LINES: &[fn(&Backend)] = &[
+/// A list of checks with their names, and a test of the oracle for each.
+macro_rules! checks {
+    ($(#[$doc:meta])* $list:ident, $tests:ident: $($check:ident),* $(,)?) => {
+        $(#[$doc])*
+        pub const $list: &[(&str, fn(&Backend))] = &[$((stringify!($check), $check)),*];
+
+        mod $tests {
+            $(#[test]
+            fn $check() {
+                let named = |(name, _): &&(&str, _)| *name == stringify!($check);
+                let (_, check) = super::$list.iter().find(named).expect("a check of that name");
+                check(&super::oracle());
+            })*
+        }
+    };
+}
+
+checks! {
+    /// The checks whose systems are rings or open words.
+    LINES, lines:
     s2_s5_closed_chaikin_is_the_matrix,
     s3_all_reads_see_the_old_word,
     s4_contexts_and_parameters,
@@ -86,14 +104,24 @@ pub const LINES: &[fn(&Backend)] = &[
     e12_counts_of_the_leaf,
     e14_rings_shorter_than_contexts,
     files_of_schemes,
-];
+}
 
-/// The checks that trace.
-pub const TRACED: &[fn(&Backend)] = &[s20_kolam, s22_koch_and_dragon, hilbert_fills_the_cube];
+checks! {
+    /// The checks that trace.
+    TRACED, traced:
+    s20_kolam,
+    s22_koch_and_dragon,
+    hilbert_fills_the_cube,
+}
 
-/// The checks whose words are trees.
-pub const TREES: &[fn(&Backend)] =
-    &[s21_a_branching_structure, contexts_skip_branches, signals_run_up_and_down, hogeweg_and_hesper];
+checks! {
+    /// The checks whose words are trees.
+    TREES, trees:
+    s21_a_branching_structure,
+    contexts_skip_branches,
+    signals_run_up_and_down,
+    hogeweg_and_hesper,
+}
 
 // --- inputs ------------------------------------------------------------------------------------
 

@@ -252,8 +252,7 @@ impl Curves {
             }
         };
         let all: Vec<String> = self.symbols.iter().map(declare).collect();
-        let traced =
-            self.pick(&["Trace(at: vec2)", "Trace(at: vec3, r: float)", "Trace(r: float, at: vec3)"]);
+        let traced = self.pick(&["Trace(v: vec2)", "Trace(v: vec3, r: float)", "Trace(r: float, v: vec3)"]);
         format!("module {}, {traced}\n", all.join(", "))
     }
 
@@ -306,7 +305,7 @@ impl Curves {
 
     fn start(&mut self, names: &Names, depth: usize) -> String {
         let module = self.any_module(names, true);
-        if self.topology == Topology::Tree && depth < 3 && self.chance(30) {
+        if self.topology == Topology::Tree && depth < 3 && self.chance(45) {
             let count = self.base.random.range(1, 3);
             let branch: Vec<String> = (0..count).map(|_| self.start(names, depth + 1)).collect();
             return format!("{module} [ {} ]", branch.join(" "));
@@ -386,20 +385,21 @@ impl Curves {
 
     fn right(&mut self, names: &mut Names, depth: usize, ends: usize, nesting: usize) -> String {
         let mut parts = Vec::new();
-        for _ in 0..depth {
-            if self.topology == Topology::Tree && nesting < 2 && self.chance(30) {
+        let branches = if self.topology == Topology::Tree && nesting < 2 { 35 } else { 0 };
+        // In trees short, so that with its branches it is at most 8 deep.
+        let depth = if self.topology == Topology::Tree { depth.min(3) } else { depth };
+        for place in 0..=depth {
+            if self.chance(branches) {
                 for _ in 0..self.pick(&[1, 1, 1, 2]) {
-                    let depth = self.pick(&[1, 1, 2]);
-                    // The whole is at most 8 deep.
-                    let depth = depth.min(3 - nesting);
+                    let depth = self.pick(&[1, 1, 1, 2]);
                     parts.push(format!("[ {} ]", self.right(names, depth, 10, nesting + 1)));
                 }
             }
-            if parts.len() < 4 || self.topology != Topology::Tree {
+            if place < depth {
                 parts.push(self.pattern(names));
             }
         }
-        if self.chance(ends) || parts.is_empty() {
+        if parts.is_empty() || self.chance(ends) {
             parts.push("#".to_string());
         }
         parts.join(" ")
@@ -500,7 +500,7 @@ impl Curves {
     fn elements(&mut self, names: &Names, count: usize, depth: usize) -> String {
         let mut elements = Vec::new();
         for _ in 0..count {
-            if self.topology == Topology::Tree && depth < 3 && self.chance(20) {
+            if self.topology == Topology::Tree && depth < 3 && self.chance(30) {
                 let count = self.pick(&[1, 1, 2]);
                 elements.push(format!("[ {} ]", self.elements(names, count, depth + 1)));
             } else if self.chance(4) {
