@@ -26,7 +26,7 @@ impl Scope<'_> {
         bound
             .or_else(|| self.constants.get(name).cloned())
             .or_else(|| (self.attributes)(name))
-            .or_else(|| match name {
+            .or(match name {
                 "pi" => Some(Value::Float(std::f64::consts::PI)),
                 "tau" => Some(Value::Float(std::f64::consts::TAU)),
                 // A param that is there undeclared.

@@ -144,7 +144,8 @@ fn open(rules: &str, steps: usize, points: &[Point]) -> Job {
 fn scheme(topology: &str, rules: &str, steps: usize, points: &[Point]) -> Job {
     let n = points.first().map_or(2, Vec::len);
     Job::new(format!(
-        "system s : curve {topology}\nmodule P(v: vec{n})\naxiom: file \"points.csv\"\nrules:\n{rules}run:\n  derive {steps}\n"
+        "system s : curve {topology}\nmodule P(v: vec{n})\naxiom: file \"points.csv\"\nrules:\n\
+            {rules}run:\n  derive {steps}\n"
     ))
     .points(points)
 }
@@ -210,7 +211,8 @@ fn s3_all_reads_see_the_old_word(backend: &Backend) {
 /// Equations 9 to 12.
 fn s4_contexts_and_parameters(backend: &Backend) {
     let job = Job::new(
-        "system s : curve open\nmodule A(x: float), B(x: float, y: float)\naxiom: A(1.5) B(2, 3) A(4.5)\nrules:\n  \
+        "system s : curve open\nmodule A(x: float), B(x: float, y: float)\n\
+            axiom: A(1.5) B(2, 3) A(4.5)\nrules:\n  \
          A(x) -> A(2*x + 1)\n  A(w) < B(x, y) > A(z) -> A(w + x) A(y + z)\n",
     );
     let words = backend.words(&job);
@@ -348,7 +350,8 @@ const OPEN: &str = "  # P(vl) < P(v) > P(vr)   -> P(1/2*vl + 1/2*v) P(3/4*v + 1/
                     P(vl) < P(v) > P(vr) # -> P(1/4*vl + 3/4*v) P(1/2*v + 1/2*vr)\n    \
                     P(vl) < P(v) > P(vr)   -> P(1/4*vl + 3/4*v) P(3/4*v + 1/4*vr)\n";
 /// Equations 28 to 33.
-const OPEN_IN_FULL: &str = "  # < P(v) -> P(v)\n  # P(vl) < P(v) > P(vr) -> P(1/2*vl + 1/2*v) P(3/4*v + 1/4*vr)\n  \
+const OPEN_IN_FULL: &str = "  # < P(v) -> P(v)\n\
+    # P(vl) < P(v) > P(vr) -> P(1/2*vl + 1/2*v) P(3/4*v + 1/4*vr)\n  \
      P(vll) P(vl) < P(v) > P(vr) P(vrr) -> P(1/4*vl + 3/4*v) P(3/4*v + 1/4*vr)\n  \
      P(vl) < P(v) > P(vr) # -> P(1/4*vl + 3/4*v) P(1/2*v + 1/2*vr)\n  P(v) > # -> P(v)\n  # -> #\n";
 
@@ -578,7 +581,8 @@ fn e14_rings_shorter_than_contexts(backend: &Backend) {
     let (context, sum) = (names.join(" "), "a0 + 2*a1 + 4*a2 + 8*a3 + 16*a4 + 32*a5 + 64*a6 + 128*a7");
     for (rule, offset) in [(format!("{context} < A(n)"), -8i64), (format!("A(n) > {context}"), 1)] {
         let job = Job::new(format!(
-            "system s : curve ring\nmodule A(n: int)\naxiom: A(1) A(10) A(100)\nrules:\n  {rule} -> A({sum} + 100000*n)\n"
+            "system s : curve ring\nmodule A(n: int)\naxiom: A(1) A(10) A(100)\nrules:\n\
+                {rule} -> A({sum} + 100000*n)\n"
         ));
         let word = backend.words(&job).pop().expect("a word");
         for (i, module) in word.modules.iter().enumerate() {
@@ -589,7 +593,8 @@ fn e14_rings_shorter_than_contexts(backend: &Backend) {
     }
     // A pair and its contexts in a ring of two.
     let job = Job::new(
-        "system s : curve ring\nmodule A(n: int)\naxiom: A(1) A(10)\nrules:\n  A(l) < A(a) A(b) > A(r) -> A(l + 2*a + 3*b + 4*r)\n",
+        "system s : curve ring\nmodule A(n: int)\naxiom: A(1) A(10)\nrules:\n\
+            A(l) < A(a) A(b) > A(r) -> A(l + 2*a + 3*b + 4*r)\n",
     );
     assert_eq!(backend.words(&job)[1].modules[0].params, [Param::Int(10 + 2 + 30 + 4)]);
 }
@@ -835,7 +840,8 @@ fn s21_a_branching_structure(backend: &Backend) {
 
 /// ABOP, section 1.8: `BC < S > G[H]M` in `ABC[DE][SG[HI[JK]L]MNO]`.
 fn contexts_skip_branches(backend: &Backend) {
-    let modules = "module A, B, C, D, E, G, H, I, J, K, L, M, N, O, S, T\naxiom: A B C [ D E ] [ S G [ H I [ J K ] L ] M N O ]\nrules:\n  ";
+    let modules = "module A, B, C, D, E, G, H, I, J, K, L, M, N, O, S, T\n\
+        axiom: A B C [ D E ] [ S G [ H I [ J K ] L ] M N O ]\nrules:\n  ";
     let result = |rule: &str| writings(backend, &format!("{modules}{rule} -> T\n")).pop().expect("a word");
     let (kept, fired) = ("ABC[DE][SG[HI[JK]L]MNO]", "ABC[DE][TG[HI[JK]L]MNO]");
     let fires = [
@@ -862,14 +868,16 @@ fn contexts_skip_branches(backend: &Backend) {
 fn signals_run_up_and_down(backend: &Backend) {
     let head = "module A, B\nignore + -\n";
     let up = format!(
-        "{head}axiom: B [ + A ] A [ - A ] A [ + A ] A\nrules:\n  B < A -> B\nrun:\n  derive until terminal max 9\n"
+        "{head}axiom: B [ + A ] A [ - A ] A [ + A ] A\nrules:\n  B < A -> B\nrun:\n\
+            derive until terminal max 9\n"
     );
     assert_eq!(
         writings(backend, &up),
         ["B[+A]A[-A]A[+A]A", "B[+B]B[-A]A[+A]A", "B[+B]B[-B]B[+A]A", "B[+B]B[-B]B[+B]B",]
     );
     let down = format!(
-        "{head}axiom: A [ + A ] A [ - A ] A [ + A ] B\nrules:\n  A > B -> B\nrun:\n  derive until terminal max 9\n"
+        "{head}axiom: A [ + A ] A [ - A ] A [ + A ] B\nrules:\n  A > B -> B\nrun:\n\
+            derive until terminal max 9\n"
     );
     assert_eq!(
         writings(backend, &down),

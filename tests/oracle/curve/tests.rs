@@ -30,16 +30,19 @@ fn next(topology: &str, axiom: &str, rules: &[&str]) -> String {
 
 #[test]
 fn first_rule_that_matches_fires_and_others_keep() {
-    let body = "module A(n: int), B\naxiom: A(0) B\nrules:\n  A(n) : n < 2 -> A(n + 1)\n  A(n) -> A(n + 10) B\nrun:\n  derive 3\n";
+    let body = "module A(n: int), B\naxiom: A(0) B\nrules:\n  A(n) : n < 2 -> A(n + 1)\n\
+        A(n) -> A(n + 10) B\nrun:\n  derive 3\n";
     assert_eq!(of("open", body), ["A(0) B", "A(1) B", "A(2) B", "A(12) B B"]);
 }
 
 #[test]
 fn keep_does_not_count_as_fired() {
-    let body = "module A(k: int)\naxiom: A(2) A(0)\nrules:\n  A(k) -> A(max(k - 1, 0))\nrun:\n  derive until terminal max 9\n";
+    let body = "module A(k: int)\naxiom: A(2) A(0)\nrules:\n  A(k) -> A(max(k - 1, 0))\nrun:\n\
+        derive until terminal max 9\n";
     assert_eq!(of("ring", body), ["A(2) A(0)", "A(1) A(0)", "A(0) A(0)"]);
     // Vectors and floats count bit by bit: −0 is not 0.
-    let body = "module A(v: vec2)\naxiom: A((0, 1))\nrules:\n  A(v) : v.y > 0 -> A((-v.x, v.y))\nrun:\n  derive until terminal max 3\n";
+    let body = "module A(v: vec2)\naxiom: A((0, 1))\nrules:\n  A(v) : v.y > 0 -> A((-v.x, v.y))\nrun:\n\
+        derive until terminal max 3\n";
     assert_eq!(of("open", body).len(), 4);
     let body = "module A\naxiom: A\nrules:\n  A -> A A\nrun:\n  derive until terminal max 3\n  derive 0\n";
     assert_eq!(of("open", body).len(), 4);
@@ -49,7 +52,8 @@ fn keep_does_not_count_as_fired() {
 
 #[test]
 fn groups_schedules_params() {
-    let head = "param n: int = 1 in 0 .. 5\nmodule A(k: int)\naxiom: A(n)\nrules:\n  A(k) -> A(k + step + 1)\n\
+    let head = "param n: int = 1 in 0 .. 5\nmodule A(k: int)\naxiom: A(n)\nrules:\n\
+        A(k) -> A(k + step + 1)\n\
                 rules a:\n  A(2) -> A(100)\nrules b:\n  A(2) -> A(200)\n  A(k) -> A(k - 1)\nrun:\n";
     let run = |steps: &str| of("open", &format!("{head}{steps}")).join(" ");
     assert_eq!(run("  derive 3\n"), "A(1) A(2) A(4) A(7)");
@@ -70,10 +74,13 @@ fn erasure_may_empty_a_word() {
 
 #[test]
 fn patterns() {
-    let body = "module A(k: int, v: vec2), B(k: int, x: float)\naxiom: A(1, (2, 3)) A(2, (2, 3)) B(2, 2) A(5, (2, 3)) B(-1, 0)\nrules:\n  \
-                A(_, v) < A(k, v) > B(k, k) -> B(k, v.x)\n  B(-1, _) -> B(0, 0.5)\n  A(5, v) > B(_, 0) -> A(6, v/2)\n";
+    let body = "module A(k: int, v: vec2), B(k: int, x: float)\n\
+        axiom: A(1, (2, 3)) A(2, (2, 3)) B(2, 2) A(5, (2, 3)) B(-1, 0)\nrules:\n  \
+                A(_, v) < A(k, v) > B(k, k) -> B(k, v.x)\n  B(-1, _) -> B(0, 0.5)\n\
+                A(5, v) > B(_, 0) -> A(6, v/2)\n";
     assert_eq!(of("open", body)[1], "A(1, (2, 3)) B(2, 2) B(2, 2) A(6, (1, 1.5)) B(0, 0.5)");
-    let body = "module A(k: int)\nquery Q(n: int) = step + 2\naxiom: A(1) A(2)\nrules:\n  ?Q(n) A(n) > # let m = n * n : m > 3 -> A(m)\n";
+    let body = "module A(k: int)\nquery Q(n: int) = step + 2\naxiom: A(1) A(2)\nrules:\n\
+        ?Q(n) A(n) > # let m = n * n : m > 3 -> A(m)\n";
     assert_eq!(of("open", body)[1], "A(1) A(4)");
 }
 
@@ -134,7 +141,8 @@ fn any_branch_may_match() {
     let body = |right: &str, successor: &str| {
         let axiom = "X [ A(1) ] [ A(2) ] [ B(2) ] [ A(3) ] [ B(3) ] C";
         let body = format!(
-            "module X, A(k: int), B(k: int), C, D(k: int)\naxiom: {axiom}\nrules:\n  X > {right} -> {successor}\n"
+            "module X, A(k: int), B(k: int), C, D(k: int)\naxiom: {axiom}\nrules:\n\
+                X > {right} -> {successor}\n"
         );
         of("tree", &body)[1].split(' ').next().expect("a word").to_string()
     };
@@ -296,7 +304,8 @@ fn axioms_of_points() {
 
 #[test]
 fn an_earlier_system_as_axiom() {
-    let text = "param n: int = 2\nsystem a : curve\nmodule A(k: int)\naxiom: A(0)\nrules:\n  A(k) -> A(k) A(k + 1)\nrun:\n  derive n\n\
+    let text = "param n: int = 2\nsystem a : curve\nmodule A(k: int)\naxiom: A(0)\nrules:\n\
+        A(k) -> A(k) A(k + 1)\nrun:\n  derive n\n\
                 system b : curve ring\nmodule A(k: int)\naxiom: a\nrules:\n  A(k) -> A(k * 10)\n";
     assert_eq!(history(text), ["A(0) A(1) A(1) A(2)", "A(0) A(10) A(10) A(20)"]);
     let turned = text.replace("axiom: a", "axiom: a shift 3");
@@ -316,7 +325,8 @@ fn the_hash_is_frozen() {
 
 #[test]
 fn paths_are_hashes_of_slots() {
-    let text = "system s : curve tree\nmodule A, B, C\naxiom: A [ B ] C A\nrules:\n  A > [ B ] -> A eps [ B C ] eps C\n  B -> C\n  C A -> B eps\n";
+    let text = "system s : curve tree\nmodule A, B, C\naxiom: A [ B ] C A\nrules:\n\
+        A > [ B ] -> A eps [ B C ] eps C\n  B -> C\n  C A -> B eps\n";
     let word = &Job::new(text).derive()[1];
     assert_eq!(word.to_string().replace(' ', ""), "A[BC]C[C]B");
     let paths: Vec<lots::Path> = word.modules().map(|m| m.path).collect();
@@ -329,7 +339,8 @@ fn paths_are_hashes_of_slots() {
 
 #[test]
 fn numbers_follow_from_seed_step_path_and_site() {
-    let text = "param seed: int = 5\nsystem s : curve\nmodule A(x: float), B(x: float, y: float)\naxiom: A(0) B(0, 0)\nrules:\n  A(x) -> A(rand())\n  \
+    let text = "param seed: int = 5\nsystem s : curve\nmodule A(x: float), B(x: float, y: float)\n\
+        axiom: A(0) B(0, 0)\nrules:\n  A(x) -> A(rand())\n  \
                 named: B(x, y) let z = rand(1, 3) : randn() < 100 -> B(rand(), z)\nrun:\n  derive 2\n";
     let words = Job::new(text).derive();
     let value = |step: usize, index: usize, field: usize| {
@@ -351,7 +362,8 @@ fn numbers_follow_from_seed_step_path_and_site() {
 
 #[test]
 fn an_edit_in_one_branch_rolls_that_branch_alone() {
-    let text = "system s : curve tree\nmodule R, A(x: float), B(x: float)\naxiom: R\nrules:\n  R -> [ A(0) ] [ B(0) ]\n  \
+    let text = "system s : curve tree\nmodule R, A(x: float), B(x: float)\naxiom: R\nrules:\n\
+        R -> [ A(0) ] [ B(0) ]\n  \
                 a: A(x) -> A(rand()) [ A(rand()) ]\n  b: B(x) -> B(rand()) B(rand())\nrun:\n  derive 4\n";
     let edited = text.replace("b: B(x) -> B(rand()) B(rand())", "b: B(x) ->(1) B(rand()) ->(2) eps");
     let of_a = |text: &str| {
@@ -370,7 +382,8 @@ fn an_edit_in_one_branch_rolls_that_branch_alone() {
 #[test]
 fn weights_are_drawn_in_proportion() {
     let text = "system s : curve ring\nmodule P, A, B, C\naxiom: P\nrules grow:\n  P -> P P\nrules draw:\n  \
-                P ->(1) A\n    ->(2) B\n    ->(if(step > 0, 1, -1)) C\n    ->(5) eps\nrun:\n  derive 14 with grow\n  derive 1 with draw\n";
+                P ->(1) A\n    ->(2) B\n    ->(if(step > 0, 1, -1)) C\n    ->(5) eps\nrun:\n\
+                derive 14 with grow\n  derive 1 with draw\n";
     let word = Job { seed: Some(3), ..Job::new(text) }.derive().pop().expect("a word");
     let share = |symbol: &str| word.modules().filter(|m| m.symbol == symbol).count() as f64 / 16384.0;
     assert!(
@@ -433,8 +446,12 @@ fn curves_and_branches_of_the_turtle() {
     assert_eq!(traced("ring", "X"), "0 0 0");
     assert_eq!(traced("tree", "F [ + F F ] [ - X ] F"), "0 0 0; 0 1 0; [; -1 1 0; -2 1 0; ]; 0 2 0");
     assert_eq!(traced("tree", "F [ f F ] F"), "0 0 0; 0 1 0; [; ,; 0 2 0; 0 3 0; ]; 0 2 0");
-    let words = Job::new("system s : curve tree\nmodule P(r: float, v: vec2), Q(v: vec2)\naxiom: F !(0.5) [ ! (2) F ! F ] F f F\n\
-        rules:\n  # < P(r, v) -> Q(v)\n  Q < P(r, v) > # -> Q(v)\nrun:\n  trace into P\n  derive 1\n".replace("! (2)", "!(2)"))
+    let words = Job::new(
+        "system s : curve tree\nmodule P(r: float, v: vec2), Q(v: vec2)\n\
+        axiom: F !(0.5) [ ! (2) F ! F ] F f F\n\
+        rules:\n  # < P(r, v) -> Q(v)\n  Q < P(r, v) > # -> Q(v)\nrun:\n  trace into P\n  derive 1\n"
+            .replace("! (2)", "!(2)"),
+    )
     .derive();
     let widths: Vec<f64> = words[1].modules().map(|m| m.params[0].floats()[0]).collect();
     assert_eq!(widths, [1.0, 1.0, 2.0, 1.0, 0.5, 0.5, 0.5]);
@@ -460,7 +477,8 @@ fn curves_and_branches_of_the_turtle() {
 
 #[test]
 fn a_curve_that_is_erased_leaves_no_break() {
-    let body = "module P(v: vec2)\naxiom: F f F f F\nrules:\n  P(v) : v.y == 2 || v.y == 3 -> eps\nrules first:\n  P(v) : v.y < 2 -> eps\n\
+    let body = "module P(v: vec2)\naxiom: F f F f F\nrules:\n  P(v) : v.y == 2 || v.y == 3 -> eps\n\
+        rules first:\n  P(v) : v.y < 2 -> eps\n\
                 run:\n  trace into P\n  derive 1\n  derive 1 with first\n";
     let words = of("open", body);
     assert_eq!(words[2], "P((0, 0)) P((0, 1)) , P((0, 4)) P((0, 5))");
@@ -471,7 +489,8 @@ fn a_curve_that_is_erased_leaves_no_break() {
 
 #[test]
 fn every_difference_is_found_and_named() {
-    let text = "system s : curve tree\nmodule A(k: int, b: bool), B(x: float, v: vec2)\naxiom: A(1, true) [ B(0, (1, 2)) ] A(2, false)\nrules:\n  \
+    let text = "system s : curve tree\nmodule A(k: int, b: bool), B(x: float, v: vec2)\n\
+        axiom: A(1, true) [ B(0, (1, 2)) ] A(2, false)\nrules:\n  \
                 A(k, b) > [ B ] -> A(k, b) B(k/3, (k, 0.1))\n";
     let word = Job::new(text).derive().pop().expect("a word");
     let good = see(&word);
@@ -601,6 +620,7 @@ fn cases_are_varied_and_bounded() {
         "ignore ",
         "# -> #",
         "trace into",
+        "with smooth",
         "shift ",
         "P(_) = file",
         "P(_) = [",

@@ -142,6 +142,8 @@ struct Curves {
     symbols: Vec<Symbol>,
     /// Turtle symbols that occur in words.
     turtle: Vec<&'static str>,
+    /// What the turtle writes, with `V` for the position.
+    trace: &'static str,
     query: bool,
     labels: usize,
 }
@@ -150,7 +152,7 @@ impl Curves {
     fn new(seed: u64) -> Curves {
         let mut base = Generator::new(seed);
         let topology = *base.random.pick(&[Topology::Ring, Topology::Open, Topology::Tree]);
-        Curves { base, topology, symbols: Vec::new(), turtle: Vec::new(), query: false, labels: 0 }
+        Curves { base, topology, symbols: Vec::new(), turtle: Vec::new(), trace: "", query: false, labels: 0 }
     }
 
     fn chance(&mut self, percent: usize) -> bool {
@@ -198,6 +200,9 @@ impl Curves {
         ]);
         for group in self.base.groups.clone() {
             items.push(self.group(group.as_deref()));
+        }
+        if !self.turtle.is_empty() {
+            items.push(self.smooth());
         }
         // Declarations stand in any order.
         if self.chance(30) {
@@ -252,8 +257,13 @@ impl Curves {
             }
         };
         let all: Vec<String> = self.symbols.iter().map(declare).collect();
-        let traced = self.pick(&["Trace(v: vec2)", "Trace(v: vec3, r: float)", "Trace(r: float, v: vec3)"]);
-        format!("module {}, {traced}\n", all.join(", "))
+        let (fields, written) = self.pick(&[
+            ("v: vec2", "Trace(V)"),
+            ("v: vec3, r: float", "Trace(V, 2.5)"),
+            ("r: float, v: vec3", "Trace(0.5, V)"),
+        ]);
+        self.trace = written;
+        format!("module {}, Trace({fields})\n", all.join(", "))
     }
 
     // --- axioms --------------------------------------------------------------------------------
@@ -325,6 +335,39 @@ impl Curves {
         for _ in 0..self.base.random.range(1, 6) {
             let strict = if several > 1 && self.chance(50) { several } else { 1 };
             text += &self.rule(strict);
+        }
+        text
+    }
+
+    /// Rules for what the turtle has written: its curves have ends, its trees branches.
+    fn smooth(&mut self) -> String {
+        let mut rules = vec![
+            "# < P(v) > P(b) -> N(v) N(1/2*v + 1/2*b)",
+            "P(a) < P(v) > P(b) -> N(1/4*a + 3/4*v) N(3/4*v + 1/4*b)",
+            "P(a) < P(v) > # -> N(3/4*v + 1/4*a)",
+            "P(v) > # -> eps",
+            "P(a) P(b) > P(c) -> N(1/2*a + 1/2*b)",
+            "# P(a) < P(v) -> eps",
+        ];
+        if self.topology == Topology::Tree {
+            rules.push("P(v) > [ P(b) ] -> N(v) [ N(1/2*v + 1/2*b) ]");
+            rules.push("P(v) > [ P(b) # ] P(c) -> N(1/2*b + 1/2*c)");
+        }
+        self.base.random.shuffle(&mut rules);
+        rules.truncate(self.base.random.range(2, 4) as usize);
+        // A pattern binds the position and takes any width.
+        let pattern = self.trace.replace("2.5", "_").replace("0.5", "_");
+        let mut text = "rules smooth:\n".to_string();
+        for rule in rules {
+            let mut rule = rule.to_string();
+            for (short, long) in [("P(", pattern.as_str()), ("N(", self.trace)] {
+                while let Some(at) = rule.find(short) {
+                    let close = at + rule[at..].find(')').expect("a closing parenthesis");
+                    let module = long.replace('V', &rule[at + 2..close]);
+                    rule.replace_range(at..=close, &module);
+                }
+            }
+            writeln!(text, "  {rule}").expect("a string takes all");
         }
         text
     }
@@ -562,6 +605,9 @@ impl Curves {
         if self.turtle.is_empty() || run.is_empty() || self.chance(60) {
             return run;
         }
-        format!("{run}  trace into Trace\n")
+        if self.chance(40) {
+            return format!("{run}  trace into Trace\n");
+        }
+        format!("{run}  trace into Trace\n  derive {} with smooth\n", self.base.random.range(1, 2))
     }
 }
