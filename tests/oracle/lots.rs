@@ -60,9 +60,6 @@ pub fn choice(weights: &[f64], drawn: u32) -> Option<usize> {
     let fixed = |w: &f64| u64::from(((*w as f32).clamp(0.0, most) * 65_536.0).round_ties_even() as u32);
     let fixed: Vec<u64> = weights.iter().map(fixed).collect();
     let total: u64 = fixed.iter().sum();
-    if total == 0 {
-        return None;
-    }
     let mut left = (u64::from(drawn) * total) >> 32;
     fixed.iter().position(|weight| {
         let here = left < *weight;
