@@ -158,7 +158,7 @@ fn truth(text: &str) -> Vec<Vec<OracleValue>> {
     let Successor::Word(word) = &rule.expect("a rule").alternatives[0].successor else { panic!("a word") };
     let [Element::Module(successor)] = word.as_slice() else { panic!("a module") };
     let of_start = |start: &Start| {
-        let free = Scope { bound: Vec::new(), constants: &constants, attributes: &attributes };
+        let free = Scope { bound: Vec::new(), constants: &constants, attributes: &attributes, random: None };
         let names = ["a", "b", "f", "x", "y", "p"].iter().map(|n| n.to_string());
         let types = ["int", "int", "bool", "float", "float", "vec3"];
         let args = start.module.args.iter().flatten().zip(types);
@@ -169,8 +169,12 @@ fn truth(text: &str) -> Vec<Vec<OracleValue>> {
             other => other,
         };
         let values = args.map(|(arg, ty)| rounded(evaluate(arg, &free).coerce(ty)));
-        let scope =
-            Scope { bound: names.zip(values).collect(), constants: &constants, attributes: &attributes };
+        let scope = Scope {
+            bound: names.zip(values).collect(),
+            constants: &constants,
+            attributes: &attributes,
+            random: None,
+        };
         successor.args.iter().flatten().map(|arg| evaluate(arg, &scope).settle()).collect()
     };
     starts.expect("an axiom").iter().map(of_start).collect()

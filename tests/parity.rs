@@ -85,6 +85,7 @@ pub fn settings(case: &oracle::Case) -> Vec<(String, Value)> {
         oracle::Param::Int(i) => Value::Int(i),
         oracle::Param::Bool(b) => Value::Bool(b),
         oracle::Param::Float(x) => Value::Float(x as f32),
+        other => panic!("no param of a patch system that is drawn at random: {other:?}"),
     };
     let own = |name: &str| system.uniforms.iter().any(|u| u.name == name);
     case.set.iter().filter(|(name, _)| own(name)).map(|(name, p)| (name.clone(), value(p))).collect()

@@ -176,6 +176,9 @@ pub fn engine_word(word: &Word, steps: usize) -> burgeon::patch::Word {
             Param::Int(i) => Value::Int(i),
             Param::Bool(b) => Value::Bool(b),
             Param::Float(x) => Value::Float(x as f32),
+            Param::Vec2(v) => Value::Vec2(v.map(|x| x as f32)),
+            Param::Vec3(v) => Value::Vec3(v.map(|x| x as f32)),
+            Param::Vec4(v) => Value::Vec4(v.map(|x| x as f32)),
         };
         let Cell { du, dv, i, j } = module.cell();
         modules.push(burgeon::patch::Module {

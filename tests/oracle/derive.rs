@@ -1,22 +1,21 @@
 //! The derivation: the axiom, the schedule and one step, as the requirement words them.
 
 use super::attributes::attribute;
-use super::expression::{Constants, Declaration, Scope, evaluate};
+use super::expression::{Constants, Scope, evaluate};
 use super::halving::Net;
-use super::value::{Ratio, Value};
+use super::pattern::{bind, match_args};
+use super::value::Value;
 use super::word::{Module, Param, Shape, Turn, Word};
+use super::written::Written;
 use burgeon::language::syntax::{
-    AttributeKind, AxiomKind, Block, Cell, DeriveCount, Element, Expr, FileItem, Item, ModuleUse, Name,
-    Pattern, PatternArg, Query, Rule, RuleFile, Rules, SignedNumber, Source, SourceKind, Start, Step,
-    StepKind, Successor, System,
+    AttributeKind, AxiomKind, Block, Cell, DeriveCount, Element, Expr, ModuleUse, Name, Rule, RuleFile,
+    Source, SourceKind, Start, Step, StepKind, Successor,
 };
 use std::rc::Rc;
 
 /// A patch system with all that stands around it, ready to be derived.
 pub struct Oracle<'a> {
-    system: &'a System,
-    /// Consts and params above the system.
-    outer: Vec<Declaration<'a>>,
+    written: Written<'a>,
     /// The nets of a file, in homogeneous coordinates.
     nets: &'a dyn Fn(&str) -> Vec<Net>,
     overrides: Vec<(String, Value)>,
@@ -36,26 +35,13 @@ enum Stop {
 impl<'a> Oracle<'a> {
     /// The system of that name, or the last one.
     pub fn new(file: &'a RuleFile, name: Option<&str>, nets: &'a dyn Fn(&str) -> Vec<Net>) -> Oracle<'a> {
-        let wanted = |item: &FileItem| match item {
-            FileItem::System(system) => name.is_none_or(|n| n == system.name.text),
-            _ => false,
-        };
-        let index = file.items.iter().rposition(wanted).expect("a system of that name");
-        let FileItem::System(system) = &file.items[index] else { unreachable!() };
-        let outer = file.items[..index]
-            .iter()
-            .filter_map(|item| match item {
-                FileItem::Const(c) => Some(Declaration::Const(c)),
-                FileItem::Param(p) => Some(Declaration::Param(p)),
-                FileItem::System(_) => None,
-            })
-            .collect();
-        Oracle { system, outer, nets, overrides: Vec::new(), steps: None, modules: None, halvings: None }
+        let written = Written::new(file, name);
+        Oracle { written, nets, overrides: Vec::new(), steps: None, modules: None, halvings: None }
     }
 
     /// Gives a param another value.
     pub fn set(mut self, name: &str, value: Param) -> Self {
-        self.overrides.push((name.to_string(), to_value(value)));
+        self.overrides.push((name.to_string(), value.value()));
         self
     }
 
@@ -79,7 +65,7 @@ impl<'a> Oracle<'a> {
 
     /// As [`derive`](Self::derive); `None` if a bound was passed.
     pub fn derive_within(&self) -> Option<Vec<Word>> {
-        let constants = self.constants();
+        let constants = self.written.constants(&self.overrides);
         let mut run = Derivation { oracle: self, constants: &constants, words: vec![self.axiom(&constants)] };
         match run.schedule() {
             Ok(()) | Err(Stop::Steps) => Some(run.words),
@@ -87,23 +73,9 @@ impl<'a> Oracle<'a> {
         }
     }
 
-    fn constants(&self) -> Constants {
-        let inner: Vec<Declaration> = self
-            .system
-            .items
-            .iter()
-            .filter_map(|item| match item {
-                Item::Const(c) => Some(Declaration::Const(c)),
-                Item::Param(p) => Some(Declaration::Param(p)),
-                _ => None,
-            })
-            .collect();
-        Constants::default().extended(&self.outer, &self.overrides).extended(&inner, &self.overrides)
-    }
-
     /// Degrees along u and v, from `bezier m [n]`.
     fn degree(&self) -> [usize; 2] {
-        let written = self.system.attributes.iter().find_map(|a| match &a.kind {
+        let written = self.written.system.attributes.iter().find_map(|a| match &a.kind {
             AttributeKind::Bezier(u, v) => Some((u, v.as_ref().unwrap_or(u))),
             _ => None,
         });
@@ -112,59 +84,17 @@ impl<'a> Oracle<'a> {
     }
 
     fn rational(&self) -> bool {
-        self.system.attributes.iter().any(|a| a.kind == AttributeKind::Rational)
-    }
-
-    /// The types of a symbol's fields.
-    fn fields(&self, symbol: &str) -> Vec<&'a str> {
-        let declarations = self.system.items.iter().flat_map(|item| match item {
-            Item::Modules(declarations) => declarations.as_slice(),
-            _ => &[],
-        });
-        let mut found = declarations.filter(|d| d.symbol.text == symbol);
-        let declaration = found.next().unwrap_or_else(|| panic!("`{symbol}` is not declared"));
-        declaration.fields.iter().map(|f| f.ty.text.as_str()).collect()
-    }
-
-    fn query(&self, name: &str) -> &'a Query {
-        let queries = self.system.items.iter().filter_map(|item| match item {
-            Item::Query(query) => Some(query),
-            _ => None,
-        });
-        queries.into_iter().find(|q| q.name.text == name).expect("a query of that name")
-    }
-
-    /// The rules that run under `with a, b`: a's, then b's; the unnamed group's without names.
-    fn rules(&self, groups: &[Name]) -> Vec<&'a Rule> {
-        let all = self.system.items.iter().filter_map(|item| match item {
-            Item::Rules(rules) => Some(rules),
-            _ => None,
-        });
-        let all: Vec<&Rules> = all.collect();
-        let named = |name: Option<&str>| {
-            let group = |rules: &&&Rules| rules.group.as_ref().map(|g| g.text.as_str()) == name;
-            all.iter().filter(group).copied().collect::<Vec<_>>()
-        };
-        let chosen = if groups.is_empty() {
-            named(None)
-        } else {
-            groups.iter().flat_map(|g| named(Some(&g.text))).collect()
-        };
-        chosen.into_iter().flat_map(|rules| &rules.rules).collect()
+        self.written.system.attributes.iter().any(|a| a.kind == AttributeKind::Rational)
     }
 
     /// Every net of every source is one root.
     fn axiom(&self, constants: &Constants) -> Word {
-        let starts = self.system.items.iter().find_map(|item| match item {
-            Item::Axiom(axiom) => Some(&axiom.kind),
-            _ => None,
-        });
-        let starts: &[Start] = match starts {
+        let starts: &[Start] = match self.written.axiom() {
             None => &[],
             Some(AxiomKind::Starts(starts)) => starts,
             Some(other) => panic!("no axiom of a patch system: {other:?}"),
         };
-        let scope = Scope { bound: Vec::new(), constants, attributes: &|_| None };
+        let scope = Scope { bound: Vec::new(), constants, attributes: &|_| None, random: None };
         let mut modules: Vec<Module> = Vec::new();
         for start in starts {
             let params = self.params(&start.module, &scope);
@@ -214,10 +144,10 @@ impl<'a> Oracle<'a> {
 
     /// The parameters of a module of a successor or of the axiom, in the types of its fields.
     fn params(&self, module: &ModuleUse, scope: &Scope) -> Vec<Param> {
-        let types = self.fields(&module.symbol.text);
+        let types = self.written.fields(&module.symbol.text);
         let args = module.args.as_deref().unwrap_or(&[]);
         assert_eq!(args.len(), types.len(), "arguments of `{}`", module.symbol.text);
-        types.iter().zip(args).map(|(ty, arg)| to_param(evaluate(arg, scope).coerce(ty))).collect()
+        types.iter().zip(args).map(|(ty, arg)| Param::new(evaluate(arg, scope).coerce(ty))).collect()
     }
 }
 
@@ -231,12 +161,8 @@ struct Derivation<'a> {
 
 impl Derivation<'_> {
     fn schedule(&mut self) -> Result<(), Stop> {
-        let run = self.oracle.system.items.iter().find_map(|item| match item {
-            Item::Run(run) => Some(run),
-            _ => None,
-        });
-        match run {
-            Some(run) => self.steps(&run.steps),
+        match self.oracle.written.run() {
+            Some(steps) => self.steps(steps),
             None => self.derive(1, false, &[]),
         }
     }
@@ -272,11 +198,14 @@ impl Derivation<'_> {
 
     /// An expression over consts and params.
     fn host(&self, expr: &Expr) -> Value {
-        evaluate(expr, &Scope { bound: Vec::new(), constants: self.constants, attributes: &|_| None })
+        evaluate(
+            expr,
+            &Scope { bound: Vec::new(), constants: self.constants, attributes: &|_| None, random: None },
+        )
     }
 
     fn derive(&mut self, count: i32, until_terminal: bool, groups: &[Name]) -> Result<(), Stop> {
-        let rules = self.oracle.rules(groups);
+        let rules: Vec<&Rule> = self.oracle.written.rules(groups).into_iter().map(|(_, rule)| rule).collect();
         for step in 0..count {
             if self.oracle.steps.is_some_and(|limit| self.words.len() > limit) {
                 return Err(Stop::Steps);
@@ -317,7 +246,8 @@ impl Derivation<'_> {
         let rational = self.oracle.rational();
         let attributes = |name: &str| attribute(name, module, step, rational);
         for rule in rules {
-            let mut scope = Scope { bound: Vec::new(), constants: self.constants, attributes: &attributes };
+            let mut scope =
+                Scope { bound: Vec::new(), constants: self.constants, attributes: &attributes, random: None };
             if self.matches(rule, module, &mut scope) {
                 return self.succeed(rule, module, &scope, out);
             }
@@ -335,10 +265,10 @@ impl Derivation<'_> {
             return false;
         }
         for used in &predecessor.queries {
-            let query = self.oracle.query(&used.query.text);
+            let query = self.oracle.written.query(&used.query.text);
             let expr = query.value.as_ref().expect("host-bound queries are not the oracle's");
             // A query reads consts and attributes, never what the rule binds.
-            let free = Scope { bound: Vec::new(), constants: scope.constants, attributes: scope.attributes };
+            let free = Scope { bound: Vec::new(), ..*scope };
             let value = evaluate(expr, &free).coerce(&query.field.ty.text);
             if !bind(&used.binder.text, value, scope) {
                 return false;
@@ -403,47 +333,4 @@ fn part_of(whole: &Module, turn: Turn) -> Module {
     let mut path = whole.path.clone();
     path.push(turn);
     Module { path, net: Rc::new(whole.net.child(u, v)), ..whole.clone() }
-}
-
-fn match_args(pattern: &Pattern, params: &[Param], scope: &mut Scope) -> bool {
-    // A pattern without parentheses matches all parameters.
-    let Some(args) = &pattern.args else { return true };
-    assert_eq!(args.len(), params.len(), "arguments of `{}`", pattern.symbol.text);
-    args.iter().zip(params).all(|(arg, param)| match arg {
-        PatternArg::Any(_) => true,
-        PatternArg::Bool(b, _) => *param == Param::Bool(*b),
-        PatternArg::Number(number) => signed(number).equals(to_value(*param)),
-        PatternArg::Bind(name) => bind(&name.text, to_value(*param), scope),
-    })
-}
-
-/// A name bound twice demands equality.
-fn bind(name: &str, value: Value, scope: &mut Scope) -> bool {
-    if let Some(bound) = scope.bound(name) {
-        return bound.clone().equals(value);
-    }
-    scope.bound.push((name.to_string(), value));
-    true
-}
-
-fn signed(number: &SignedNumber) -> Value {
-    let value = Value::Exact(Ratio::parse(&number.number.text));
-    if number.negative { value.negate() } else { value }
-}
-
-fn to_value(param: Param) -> Value {
-    match param {
-        Param::Int(i) => Value::Int(i),
-        Param::Bool(b) => Value::Bool(b),
-        Param::Float(x) => Value::Float(x),
-    }
-}
-
-fn to_param(value: Value) -> Param {
-    match value {
-        Value::Int(i) => Param::Int(i),
-        Value::Bool(b) => Param::Bool(b),
-        Value::Float(x) => Param::Float(x),
-        other => panic!("no parameter of a patch module: {other:?}"),
-    }
 }

@@ -1,5 +1,6 @@
 //! Expressions, evaluated by walking the syntax tree once for every module.
 
+use super::lots;
 use super::value::{Ratio, Value};
 use burgeon::language::syntax::{BinaryOp, Const, Expr, ExprKind, Param as ParamDecl, UnaryOp};
 use std::cmp::Ordering;
@@ -11,6 +12,8 @@ pub struct Scope<'a> {
     pub bound: Vec<(String, Value)>,
     pub constants: &'a Constants,
     pub attributes: &'a dyn Fn(&str) -> Option<Value>,
+    /// The hash of the call of `rand` or `randn` that stands at this place of the text.
+    pub random: Option<&'a dyn Fn(u32) -> u32>,
 }
 
 impl Scope<'_> {
@@ -23,7 +26,13 @@ impl Scope<'_> {
         bound
             .or_else(|| self.constants.get(name).cloned())
             .or_else(|| (self.attributes)(name))
-            .or_else(|| (name == "pi").then_some(Value::Float(std::f64::consts::PI)))
+            .or(match name {
+                "pi" => Some(Value::Float(std::f64::consts::PI)),
+                "tau" => Some(Value::Float(std::f64::consts::TAU)),
+                // A param that is there undeclared.
+                "detail" => Some(Value::Int(1)),
+                _ => None,
+            })
             .unwrap_or_else(|| panic!("the oracle does not know the name `{name}`"))
     }
 }
@@ -85,7 +94,7 @@ impl Constants {
                 self.define(*other, all, overrides, depth + 1);
             }
         }
-        let scope = Scope { bound: Vec::new(), constants: self, attributes: &|_| None };
+        let scope = Scope { bound: Vec::new(), constants: self, attributes: &|_| None, random: None };
         let written = evaluate(expr, &scope).settle();
         let set = overrides.iter().find(|(n, _)| n == name && matches!(wanted, Declaration::Param(_)));
         // An override takes the type that the declaration has, written or not.
@@ -114,11 +123,30 @@ fn names(expr: &Expr) -> Vec<&str> {
     }
 }
 
+/// Where the calls of `rand` and `randn` in an expression stand in the text.
+pub fn random_calls(expr: &Expr) -> Vec<u32> {
+    match &expr.kind {
+        ExprKind::Number(_) | ExprKind::Bool(_) | ExprKind::Name(_) => Vec::new(),
+        ExprKind::Call(name, args) => {
+            let own = matches!(name.text.as_str(), "rand" | "randn").then_some(name.span.start);
+            own.into_iter().chain(args.iter().flat_map(random_calls)).collect()
+        }
+        ExprKind::Vector(all) | ExprKind::List(all) => all.iter().flat_map(random_calls).collect(),
+        ExprKind::Field(e, _) | ExprKind::Unary(_, e) => random_calls(e),
+        ExprKind::Index(a, b) | ExprKind::Binary(_, a, b) => [random_calls(a), random_calls(b)].concat(),
+    }
+}
+
 pub fn evaluate(expr: &Expr, scope: &Scope) -> Value {
     match &expr.kind {
         ExprKind::Number(number) => Value::Exact(Ratio::parse(&number.text)),
         ExprKind::Bool(b) => Value::Bool(*b),
         ExprKind::Name(name) => scope.lookup(name),
+        ExprKind::Call(name, args) if matches!(name.text.as_str(), "rand" | "randn") => {
+            let hash = scope.random.unwrap_or_else(|| panic!("the oracle draws no `{}` here", name.text));
+            let bounds: Vec<f64> = args.iter().map(|a| evaluate(a, scope).float()).collect();
+            Value::Float(lots::number(&name.text, &bounds, hash(name.span.start)))
+        }
         ExprKind::Call(name, args) => {
             // A function's arguments have types, so a numeral settles here.
             let args = args.iter().map(|a| evaluate(a, scope).settle()).collect();

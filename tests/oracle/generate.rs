@@ -3,6 +3,7 @@
 //! Inputs are nets of small integers, so that a few levels are exact in f32. The schedules are
 //! drawn until the oracle finds the growth bounded.
 
+pub mod curve;
 mod expression;
 mod random;
 mod system;
@@ -113,15 +114,30 @@ pub fn minimise(case: &Case, fails: impl Fn(&Case) -> bool) -> Case {
 }
 
 fn simplifications(case: &Case) -> Vec<Case> {
-    let lines: Vec<&str> = case.text.lines().collect();
-    let mut simpler = Vec::new();
+    let texts = shorter(&case.text).into_iter();
+    let mut simpler: Vec<Case> = texts.map(|text| Case { text, ..case.clone() }).collect();
+    for index in 0..case.set.len() {
+        let mut set = case.set.clone();
+        set.remove(index);
+        simpler.push(Case { set, ..case.clone() });
+    }
+    if case.nets.len() > 1 {
+        simpler.push(Case { nets: case.nets[..1].to_vec(), ..case.clone() });
+    }
+    simpler
+}
+
+/// The text without some of its lines.
+fn shorter(text: &str) -> Vec<String> {
+    let lines: Vec<&str> = text.lines().collect();
+    let mut shorter = Vec::new();
     // Large bites first: halves, quarters … single lines.
     let mut bite = lines.len().div_ceil(2);
     while bite > 0 {
         for start in (0..lines.len()).step_by(bite.div_ceil(2)) {
             let end = (start + bite).min(lines.len());
             let kept: Vec<&str> = [&lines[..start], &lines[end..]].concat();
-            simpler.push(Case { text: kept.join("\n") + "\n", ..case.clone() });
+            shorter.push(kept.join("\n") + "\n");
         }
         bite /= 2;
     }
@@ -132,15 +148,7 @@ fn simplifications(case: &Case) -> Vec<Case> {
         let Some(length) = lines[open..].iter().position(|line| *line == closing) else { continue };
         let body = &lines[open + 1..open + length];
         let kept: Vec<&str> = [&lines[..open], body, &lines[open + length + 1..]].concat();
-        simpler.push(Case { text: kept.join("\n") + "\n", ..case.clone() });
+        shorter.push(kept.join("\n") + "\n");
     }
-    for index in 0..case.set.len() {
-        let mut set = case.set.clone();
-        set.remove(index);
-        simpler.push(Case { set, ..case.clone() });
-    }
-    if case.nets.len() > 1 {
-        simpler.push(Case { nets: case.nets[..1].to_vec(), ..case.clone() });
-    }
-    simpler
+    shorter
 }

@@ -1,24 +1,29 @@
-//! The oracle: a naive f64 interpreter of patch systems, straight from the syntax tree.
+//! The oracle: a naive f64 interpreter of patch and curve systems, straight from the syntax tree.
 //!
 //! It is written from the requirement alone and shares nothing with `src/` beyond the parser and
 //! the tree: words are lists, blocks are recursion, nets are dense products with the paper's
-//! matrices. Where an engine and the oracle differ, the requirement is read again.
+//! matrices. Where an engine and the oracle differ, the requirement is read again. Curve systems have
+//! an oracle of their own, [`curve`].
 //!
-//! What it does not know (contexts, lots, host-bound queries, other systems' words, meshes,
-//! curves) it refuses with a panic.
+//! What it does not know (lots of patch systems, host-bound queries, meshes) it refuses with a panic.
 
 mod attributes;
 mod compare;
+pub mod curve;
 mod derive;
 pub mod expression;
 mod generate;
 mod halving;
+pub mod lots;
+mod pattern;
 mod tests;
 pub mod value;
 mod word;
+mod written;
 
 pub use compare::{Tolerance, assert_same, compare, engine_word, lattice_bits};
 pub use derive::Oracle;
+pub use generate::curve::{CurveCase, curve_case, minimise_curve};
 pub use generate::{Case, Random, case, minimise};
 pub use halving::{Net, left, right};
 pub use word::{Cell, Module, Param, Word};

@@ -18,6 +18,7 @@ fn modules(word: &Word) -> Vec<String> {
         Param::Int(i) => i.to_string(),
         Param::Bool(b) => b.to_string(),
         Param::Float(x) => format!("{x:?}"),
+        other => format!("{:?}", other.floats()),
     };
     let module = |m: &Module| match m.params.as_slice() {
         [] => m.symbol.clone(),

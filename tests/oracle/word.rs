@@ -1,6 +1,7 @@
 //! The oracle's words: plain lists of modules that remember how they came about.
 
 use super::halving::{Net, Part};
+use super::value::Value;
 use std::rc::Rc;
 
 /// A module's parameter.
@@ -10,6 +11,49 @@ pub enum Param {
     Bool(bool),
     /// The language says f32; the oracle computes in f64 and leaves the rounding to the comparison.
     Float(f64),
+    Vec2([f64; 2]),
+    Vec3([f64; 3]),
+    Vec4([f64; 4]),
+}
+
+impl Param {
+    /// A value that has been coerced to the type of its field.
+    pub fn new(value: Value) -> Param {
+        match value {
+            Value::Int(i) => Param::Int(i),
+            Value::Bool(b) => Param::Bool(b),
+            Value::Float(x) => Param::Float(x),
+            Value::Vector(v) => match *v.as_slice() {
+                [x, y] => Param::Vec2([x, y]),
+                [x, y, z] => Param::Vec3([x, y, z]),
+                [x, y, z, w] => Param::Vec4([x, y, z, w]),
+                _ => panic!("{v:?} is no vector"),
+            },
+            other => panic!("no parameter of a module: {other:?}"),
+        }
+    }
+
+    pub fn value(self) -> Value {
+        match self {
+            Param::Int(i) => Value::Int(i),
+            Param::Bool(b) => Value::Bool(b),
+            Param::Float(x) => Value::Float(x),
+            Param::Vec2(v) => Value::Vector(v.to_vec()),
+            Param::Vec3(v) => Value::Vector(v.to_vec()),
+            Param::Vec4(v) => Value::Vector(v.to_vec()),
+        }
+    }
+
+    /// The floats in it, none where it is no float.
+    pub fn floats(&self) -> &[f64] {
+        match self {
+            Param::Int(_) | Param::Bool(_) => &[],
+            Param::Float(x) => std::slice::from_ref(x),
+            Param::Vec2(v) => v,
+            Param::Vec3(v) => v,
+            Param::Vec4(v) => v,
+        }
+    }
 }
 
 /// Bit by bit, as *keep* demands: 0.0 and −0.0 differ, a NaN is itself.
@@ -18,8 +62,11 @@ impl PartialEq for Param {
         match (self, other) {
             (Param::Int(a), Param::Int(b)) => a == b,
             (Param::Bool(a), Param::Bool(b)) => a == b,
-            (Param::Float(a), Param::Float(b)) => a.to_bits() == b.to_bits(),
-            _ => false,
+            (Param::Int(_) | Param::Bool(_), _) | (_, Param::Int(_) | Param::Bool(_)) => false,
+            (a, b) => {
+                let bits = |p: &Param| p.floats().iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+                bits(a) == bits(b)
+            }
         }
     }
 }

@@ -32,7 +32,7 @@ pub struct Generator {
     small: Vec<String>,
     /// Params with their range.
     params: Vec<Slider>,
-    groups: Vec<Option<String>>,
+    pub(super) groups: Vec<Option<String>>,
     /// Rules so far: no two have one label.
     labels: usize,
 }
@@ -94,7 +94,7 @@ impl Generator {
 
     // --- consts and params -------------------------------------------------------------------
 
-    fn constant(&mut self, index: usize) -> String {
+    pub(super) fn constant(&mut self, index: usize) -> String {
         let name = ["alpha", "beta", "gamma", "delta", "eta", "zeta"][index].to_string();
         match self.random.below(10) {
             0 | 1 => self.small_constant(name),
@@ -224,7 +224,7 @@ impl Generator {
     }
 
     /// Mostly small, so that the conditions of the rules bite.
-    fn start_arg(&mut self, scope: &Scope, ty: Type) -> String {
+    pub(super) fn start_arg(&mut self, scope: &Scope, ty: Type) -> String {
         match ty {
             Type::Int if self.random.chance(70) => self.random.range(0, 3).to_string(),
             Type::Int => self.int(scope, 1).text,
@@ -429,7 +429,7 @@ impl Generator {
         format!("{}({})", symbol.name, args.join(", "))
     }
 
-    fn arg(&mut self, scope: &Scope, ty: Type) -> String {
+    pub(super) fn arg(&mut self, scope: &Scope, ty: Type) -> String {
         let names: Vec<String> = scope.of(ty).into_iter().cloned().collect();
         let Some(name) = (!names.is_empty()).then(|| self.random.pick(&names).clone()) else {
             return if ty == Type::Float { self.float(scope, 1).text } else { self.bool(scope, 1).text };
