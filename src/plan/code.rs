@@ -127,7 +127,7 @@ impl<'a> Lower<'a> {
 
     /// The words of a child's path, where curves have one: a module that replaces its predecessor keeps it.
     fn path(&mut self, production: &Production, slot: u32, layout: &Layout) -> Vec<(NodeId, usize)> {
-        if !layout.is_curve() || layout.header_words < 3 {
+        if !layout.has_paths() {
             return Vec::new();
         }
         let path = match production.count() {

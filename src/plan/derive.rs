@@ -418,11 +418,7 @@ pub fn collect_curve<B: Backend>(
             curve::Module {
                 symbol,
                 params: params.map(|(f, &at)| Value::from_words(&f.ty, &record[at..])).collect(),
-                path: if layout.header_words < 3 {
-                    0
-                } else {
-                    u64::from(record[1]) << 32 | u64::from(record[2])
-                },
+                path: if !layout.has_paths() { 0 } else { u64::from(record[1]) << 32 | u64::from(record[2]) },
             }
         }));
     }

@@ -17,6 +17,12 @@
 //! of its neighbours on either side, so that contexts read across its ends; beyond the end of an open word the symbol is
 //! [`END`].
 //!
+//! Where neighbours do not stand side by side (trees, symbols that contexts ignore, several curves or words at once)
+//! words are *linked*: behind the path stands what a module hangs on, the index of the module before it on its axis
+//! or, with [`LATERAL`], of the one at which its branch begins; [`NONE`] for the first of a curve; in a ring the
+//! first hangs on the last. Where several words are derived at once the index of its word follows. A linked word is
+//! one chunk, with nothing beside it.
+//!
 //! **Order key**: the children taken since the root, left-aligned: two bits for a 2×2 block
 //! (row, column), one for 1×2 and 2×1. The modules of a word are leaves of one derivation tree, so
 //! sorting by (root, key) is its depth-first order, and (root, key) names a module for ever.
@@ -36,6 +42,12 @@ pub const HALO: usize = 8;
 /// The symbol that stands beyond the ends of an open word.
 pub const END: u32 = 0xffff;
 
+/// In a link: the module is the first of a branch.
+pub const LATERAL: u32 = 1 << 31;
+
+/// A link to nothing, with or without [`LATERAL`].
+pub const NONE: u32 = LATERAL - 1;
+
 /// Sizes of one module in memory, the same for all symbols of a system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Layout {
@@ -43,8 +55,19 @@ pub struct Layout {
     pub record_words: usize,
     /// Words before the parameters.
     pub header_words: usize,
+    /// The words of a curve's record that hold its link and the index of its word, where it has them.
+    pub link: Option<usize>,
+    pub word: Option<usize>,
     /// Degrees along u and v, 1..=8; none of a curve's modules, which have no net.
     pub degree: [u8; 2],
+}
+
+/// What the records of a curve hold before their parameters, besides the symbol.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CurveHeader {
+    pub paths: bool,
+    pub links: bool,
+    pub words: bool,
 }
 
 impl Layout {
@@ -53,19 +76,34 @@ impl Layout {
         Layout {
             record_words: (HEADER_WORDS + param_words).next_multiple_of(4),
             header_words: HEADER_WORDS,
+            link: None,
+            word: None,
             degree,
         }
     }
 
     /// The layout of a curve's modules, which have a path only where random numbers hang on it: so points of up
     /// to three coordinates take 16 bytes.
-    pub fn of_curve(param_words: usize, paths: bool) -> Layout {
-        let header_words = if paths { 3 } else { 1 };
+    pub fn of_curve(param_words: usize, has: CurveHeader) -> Layout {
+        let mut header_words = if has.paths { 3 } else { 1 };
+        let mut next = |there: bool| {
+            let at = there.then_some(header_words);
+            header_words += usize::from(there);
+            at
+        };
+        let (link, word) = (next(has.links), next(has.words));
         Layout {
             record_words: (header_words + param_words).next_multiple_of(4),
             header_words,
+            link,
+            word,
             degree: [0; 2],
         }
+    }
+
+    /// Whether a curve's modules have paths.
+    pub fn has_paths(&self) -> bool {
+        self.is_curve() && self.header_words > 1 && self.link != Some(1) && self.word != Some(1)
     }
 
     /// Whether the modules are points of a curve, with neighbours and without nets.
@@ -75,7 +113,7 @@ impl Layout {
 
     /// Modules beside a chunk's own, on either side.
     pub fn halo(&self) -> usize {
-        if self.is_curve() { HALO } else { 0 }
+        if self.is_curve() && self.link.is_none() { HALO } else { 0 }
     }
 
     /// Control points a net: rows × columns.

@@ -204,7 +204,7 @@ impl Plan {
             for root in part.modules.iter().cycle().skip(shift).take(n) {
                 let mut record = vec![0u32; layout.record_words];
                 record[0] = root.symbol as u32;
-                if layout.header_words > 2 {
+                if layout.has_paths() {
                     record[2] = (records.len() / layout.record_words) as u32;
                 }
                 let symbol = &self.tables.symbols[root.symbol];

@@ -7,7 +7,7 @@
 
 use super::code::StageCode;
 use super::given::Places;
-use super::layout::{END, Layout};
+use super::layout::{CurveHeader, END, Layout};
 use super::measure::Row;
 use super::supported::{self, Unsupported};
 use crate::language::Span;
@@ -277,7 +277,10 @@ impl Tables {
         let param_words = system.symbols.iter().map(|s| s.fields.iter().map(|f| f.ty.words()).sum());
         let layout = match system.kind {
             Kind::Patch { degree, .. } => Layout::new(0, degree),
-            _ => Layout::of_curve(param_words.max().unwrap_or(0), draws(system)),
+            _ => {
+                let has = CurveHeader { paths: draws(system), ..CurveHeader::default() };
+                Layout::of_curve(param_words.max().unwrap_or(0), has)
+            }
         };
         let mut builder = Builder { system, layout, symbols: Vec::new(), pending: Vec::new() };
         for s in &system.symbols {

@@ -191,6 +191,8 @@ impl Surface<'_> {
             layout: Layout {
                 record_words: RECORD_WORDS,
                 header_words: HEADER_WORDS,
+                link: None,
+                word: None,
                 degree: self.patches.degree,
             },
             window: &[],
