@@ -7,7 +7,8 @@ use burgeon::language::ops::{self, Cpu, Mismatch};
 use burgeon::language::rational::Rational;
 use burgeon::language::syntax;
 use burgeon::language::system::{
-    Axiom, BinderPlace, Block, Cell, Kind, Module, PatchSource, Rule, Step, StepKind, Successor, UniformKind,
+    Axiom, BinderPlace, Block, Cell, CurveWord, Kind, Module, PatchSource, Rule, Step, StepKind, Successor,
+    UniformKind,
 };
 use burgeon::language::{Checked, Severity, Span, System, Type, Value, Vocabulary, check, compile};
 use std::path::PathBuf;
@@ -361,7 +362,9 @@ fn successor(system: &System, successor: &Successor) -> String {
         Successor::Erase => "eps".into(),
         Successor::Relabel(m) => module(m),
         Successor::Split(b) => block(b, &module),
-        Successor::Modules(modules) => modules.iter().map(module).collect::<Vec<_>>().join(" "),
+        Successor::Word(CurveWord { modules, .. }) | Successor::Modules(modules) => {
+            modules.iter().map(module).collect::<Vec<_>>().join(" ")
+        }
     }
 }
 

@@ -7,7 +7,6 @@ use burgeon::curve::{Axiom, Word};
 use burgeon::language::{System, Value};
 use burgeon::plan::derive::{Backend, collect_curve, derive};
 use burgeon::plan::{Options, Plan};
-use std::fmt::Debug;
 
 struct Job {
     plan: Plan,
@@ -24,18 +23,20 @@ fn job(text: &str, points: &[[f32; 4]], set: &[(&str, Value)]) -> Job {
 }
 
 impl Job {
-    fn on<B: Backend>(&self, mut backend: B, steps: Option<u32>, chunk: Option<usize>) -> Word
-    where
-        B::Error: Debug,
-    {
+    fn on<B: Backend>(
+        &self,
+        mut backend: B,
+        steps: Option<u32>,
+        chunk: Option<usize>,
+    ) -> Result<Word, B::Error> {
         let uniforms = self.plan.uniforms(&self.options.set).expect("params");
         let options = Options { steps, chunk_modules: chunk, ..self.options.clone() };
-        let derivation = derive(&self.plan, &self.axiom, &uniforms, &options, &mut backend).expect("a word");
-        collect_curve(&self.plan, &mut backend, &derivation).expect("a word")
+        let derivation = derive(&self.plan, &self.axiom, &uniforms, &options, &mut backend)?;
+        collect_curve(&self.plan, &mut backend, &derivation)
     }
     fn cpu(&self, steps: Option<u32>, chunk: Option<usize>) -> Word {
         let uniforms = self.plan.uniforms(&self.options.set).expect("params");
-        self.on(Cpu::new(&self.plan, &uniforms, 2).expect("threads"), steps, chunk)
+        self.on(Cpu::new(&self.plan, &uniforms, 2).expect("threads"), steps, chunk).expect("a word")
     }
 }
 
@@ -74,7 +75,7 @@ fn cpu_and_gpu_derive_the_same_curve() {
         let uniforms = job.plan.uniforms(&[]).expect("params");
         for chunk in [None, Some(1), Some(7)] {
             let gpu = burgeon::gpu::Gpu::new(&engine, &job.plan, &uniforms).expect("kernels");
-            assert_eq!(job.on(gpu, None, chunk), job.cpu(None, None), "{name}, chunks of {chunk:?}");
+            assert_eq!(job.on(gpu, None, chunk).expect("a word"), job.cpu(None, None), "{name}, chunks of {chunk:?}");
         }
     }
 }
@@ -135,6 +136,27 @@ run:
   derive 1 with triple
 ";
 
+/// A tree whose branches are erased, ignored and looked into.
+#[cfg(feature = "gpu")]
+const TREE: &str = "\
+system tree : curve tree
+module A(k: int), B(k: int), E
+ignore + - E
+axiom: A(0) [ + B(1) E B(2) ] E [ - A(3) [ B(4) ] ] E A(5) E A(6)
+rules:
+  A(k) > [ B(j) ] [ A(i) ] : (k + i) % 2 == 1 -> A(k + 1) [ + B(i) E ] A(j)
+  A(k) < B(j) > # : rand() < 0.75 -> E [ B(k) A(j) ] [ B(k + 1) ]
+  A(k) > [ B(j) B(j) ] -> B(j) [ - E A(k) [ B(j) ] ] E A(k + 1)
+  B(k) A(k) -> A(k)
+  E -> eps
+  B(k) : k % 3 == 0 -> A(k + 1) [ + B(k) ] E B(k + 1)
+  A(k) < A(j) -> E E B(k) E B(k + 2)
+  B(k) > B(j) A(_) -> [ B(k) ] [ A(j) ]
+  B(k) -> B(k + 1)
+run:
+  derive 9
+";
+
 #[cfg(feature = "gpu")]
 fn many() -> Vec<[f32; 4]> {
     (0..1925).map(|i| [i as f32, (i * i % 17) as f32, 0.0, 1.0]).collect()
@@ -147,12 +169,16 @@ fn difference(engine: &burgeon::gpu::Engine) -> Option<String> {
     use burgeon::gpu::Gpu;
     // Tiles so small that claims go from one to the next.
     let small = engine.retuned(Tuning { scan_workgroup: 4, scan_items: 32, ..*engine.tuning() });
-    for text in [UNCHAIKIN, MIXED, CHAIKIN] {
+    for text in [UNCHAIKIN, MIXED, CHAIKIN, TREE] {
         let job = job(text, &many(), &[]);
         let uniforms = job.plan.uniforms(&[]).expect("params");
         let expected = job.cpu(None, None);
         for (engine, chunk) in [(engine, None), (&small, None), (&small, Some(500))] {
-            let found = job.on(Gpu::new(engine, &job.plan, &uniforms).expect("kernels"), None, chunk);
+            let gpu = Gpu::new(engine, &job.plan, &uniforms).expect("kernels");
+            let found = match job.on(gpu, None, chunk) {
+                Ok(found) => found,
+                Err(e) => return Some(e.to_string()),
+            };
             if found != expected {
                 let (found, expected) = (found.modules.len(), expected.modules.len());
                 return Some(format!("{}, {chunk:?}: {found} for {expected}", job.plan.system.name));
@@ -168,6 +194,7 @@ fn what_is_claimed_is_claimed_alike() {
     for (name, engine) in device::engines() {
         assert_eq!(difference(&engine), None, "{name}");
     }
+    assert!(job(TREE, &[], &[]).cpu(None, None).modules.len() > 500);
     let job = job(MIXED, &many(), &[]);
     assert_eq!(job.cpu(None, Some(500)), job.cpu(None, None));
 }
@@ -178,6 +205,25 @@ const MUTANTS: &[(&str, &str, &str)] = &[
     ("emit_word", "i * CLOSED", "i"),
     ("emit_word", "first = offsets[i]", "first = i"),
     ("emit_word", "& 255u", "& 1u"),
+    ("emit_word", "link & LATERAL", "0u"),
+    ("emit_word", "offsets[on] + exit_of(rules[on])", "offsets[on]"),
+    ("link", "select(SETTLED, 0u, ignored(symbol_at(i)))", "SETTLED"),
+    ("link", "up = seen(before)", "up = before | SETTLED"),
+    ("link", "if (link & LATERAL) == 0u {", "if true {"),
+    ("link", "select(0u, SETTLED, is_last)", "SETTLED"),
+    ("link", "jump_in(UP, i)", ""),
+    ("link", "jump_in(DOWN, i)", ""),
+    ("link", "jump_in(LAST, i)", ""),
+    ("link", "jump_in(HANGS, i)", ""),
+    ("link", "further | (link & LATERAL)", "further"),
+    ("link", "exit_of(rules[before]) != NO_EXIT", "true"),
+    ("branches", "i + n >= extent.count || ", ""),
+    ("branches", "link_at(i + n) != i + n - 1u", "false"),
+    ("branches", "return true;", "return false;"),
+    ("branches", "i = end_of(after)", "i = after + 1u"),
+    ("branches", "if ignored(symbol_at(i))", "if false"),
+    ("links", "if i >= extent.count {\n    return END;", "if false {\n    return END;"),
+    ("rules", "rule_word(rule) >> 24u", "0u"),
     ("claim", "return state - 1u", "return state"),
     ("claim", ">> 16u) & 7u", ">> 17u) & 7u"),
     ("claim", "let entered = status.claimed", "let entered = 0u"),
@@ -194,7 +240,8 @@ fn every_mutant_of_the_kernels_of_curves_is_seen() {
     let engine = burgeon::gpu::Engine::new(&headless.device, &headless.queue);
     let mut wrong = Vec::new();
     for &(file, find, replace) in MUTANTS {
-        let text = std::fs::read_to_string(format!("wgsl/{file}.wgsl")).expect(file);
+        let read = |folder: &str| std::fs::read_to_string(format!("wgsl/{folder}{file}.wgsl"));
+        let text = read("").or_else(|_| read("shared/")).expect(file);
         let mutant = engine.clone().with_edit(burgeon::codegen::Edit { file, find, replace });
         if !text.contains(find) {
             wrong.push(format!("{file} has no `{find}` any more"));

@@ -212,6 +212,8 @@ fn random_expressions_are_near_the_oracle() {
                 measured,
                 spread,
                 clock: Clock::default(),
+                linked: None,
+                index: n as u32,
             };
             let nodes = bound::evaluate(&code.graph, &module);
             let mut known = code.args[0].iter().map(|a| nodes[a.0]);

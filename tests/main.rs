@@ -5,6 +5,7 @@ mod check;
 mod command;
 #[cfg(feature = "gpu")]
 mod conformance;
+mod curve_oracle;
 mod curves;
 #[cfg(feature = "gpu")]
 mod degrees;

@@ -226,6 +226,7 @@ fn expected(column: Column) -> (&'static str, &'static str) {
         Column::Offsets => ("offsets", "array<u32>"),
         Column::NextRecords => ("next_records", "array<vec4<u32>>"),
         Column::NextNets => ("next_nets", "array<vec4<f32>>"),
+        Column::Links => ("links", "array<u32>"),
         Column::Sums => ("sums", "array<u32>"),
         Column::Retired => ("retired", "array<u32>"),
         Column::FinishedRecords => ("finished_records", "array<vec4<u32>>"),

@@ -7,6 +7,7 @@ import extent;
 import rules;
 import address;
 import attributes;
+import branches;
 import ops;
 
 @group(0) @binding(0) var<uniform> extent: Extent;
@@ -17,6 +18,17 @@ import ops;
 @group(0) @binding(5) var<storage, read> attributes: array<u32>;
 @group(0) @binding(6) var<storage, read_write> next_records: array<vec4u>;
 @group(0) @binding(7) var<storage, read_write> status: Status;
+@group(0) @binding(8) var<storage, read> links: array<u32>;
+
+// What the children of a module hang on outside of it.
+fn hang_of(i: u32) -> u32 {
+  let link = links[HANGS * extent.count + i];
+  let on = found(link);
+  if on == NOWHERE {
+    return NONE | (link & LATERAL);
+  }
+  return (offsets[on] + exit_of(rules[on])) | (link & LATERAL);
+}
 
 @compute @workgroup_size(WORKGROUP)
 fn emit_word(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {

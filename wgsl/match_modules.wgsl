@@ -6,6 +6,7 @@ import extent;
 import rules;
 import address;
 import attributes;
+import branches;
 import ops;
 
 @group(0) @binding(0) var<uniform> extent: Extent;
@@ -14,6 +15,7 @@ import ops;
 @group(0) @binding(3) var<storage, read> attributes: array<u32>;
 @group(0) @binding(4) var<storage, read_write> rules: array<u32>;
 @group(0) @binding(5) var<storage, read_write> status: Status;
+@group(0) @binding(6) var<storage, read> links: array<u32>;
 
 @compute @workgroup_size(WORKGROUP)
 fn match_modules(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {

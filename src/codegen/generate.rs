@@ -2,10 +2,11 @@
 
 use crate::language::Span;
 use crate::plan::code::{ChildCode, RuleCode};
+use crate::plan::context::{Equal, Go, Operand, Place};
 use crate::plan::graph::{Graph, Node, NodeId, Scalar};
 use crate::plan::layout::Layout;
 use crate::plan::placement::Placement;
-use crate::plan::tables::{MatchRule, Production, Stage};
+use crate::plan::tables::{MatchRule, Production, Stage, Tables};
 use std::collections::HashMap;
 
 /// Lines of WGSL, each with the rule it says.
@@ -47,6 +48,81 @@ pub fn record(layout: &Layout, writes: bool) -> Text {
         text.line("}");
     }
     text
+}
+
+/// `ignored(symbol)`: whether contexts look past it.
+pub fn ignored(tables: &Tables) -> Text {
+    let mut text = Text::default();
+    let ignored = tables.ignored.iter().enumerate().filter(|(_, ignored)| **ignored);
+    let tests: Vec<String> = ignored.map(|(symbol, _)| format!("symbol == {symbol}u")).collect();
+    let any = if tests.is_empty() { "false".to_string() } else { tests.join(" || ") };
+    text.line(format!("fn ignored(symbol: u32) -> bool {{ return {any}; }}"));
+    text
+}
+
+/// `search_n(own)`: what the steps of a search find behind a module, the first way that meets all demands. A step is a
+/// block inside that of the one before; one that looks for a branch is a loop.
+pub fn searches(tables: &Tables) -> Text {
+    let mut text = ignored(tables);
+    for (n, search) in tables.searches.iter().enumerate() {
+        let count = search.steps.len();
+        text.line(format!("fn search_{n}(own: u32) -> array<u32, {count}> {{"));
+        text.line(format!("  let first = beside(own, {}u);", search.last));
+        let from = |step: Option<usize>| step.map_or("first".to_string(), |step| format!("s{step}"));
+        let indent = |depth: usize| "  ".repeat(depth + 1);
+        for (k, step) in search.steps.iter().enumerate() {
+            let pad = indent(k);
+            match step.go {
+                Go::On(at) => text.line(format!("{pad}let s{k} = down_of({});", from(at))),
+                Go::Branch { at, after } => {
+                    let after = after.map_or("NOWHERE".to_string(), |after| format!("s{after}"));
+                    let next = format!("next_branch({}, {after})", from(at));
+                    text.line(format!(
+                        "{pad}for (var s{k} = {next}; s{k} != NOWHERE; s{k} = next_branch({}, s{k})) {{",
+                        from(at)
+                    ));
+                }
+            }
+            let symbol = format!("symbol_at(s{k}) == {}u", step.symbol);
+            let tests: Vec<String> = std::iter::once(symbol).chain(step.tests.iter().map(equal)).collect();
+            text.line(format!("{pad}if {} {{", tests.join(" && ")));
+        }
+        let found: Vec<String> = (0..count).map(|k| format!("s{k}")).collect();
+        text.line(format!("{}return array<u32, {count}>({});", indent(count), found.join(", ")));
+        for (k, step) in search.steps.iter().enumerate().rev() {
+            let ends = if matches!(step.go, Go::Branch { .. }) { "} }" } else { "}" };
+            text.line(format!("{}{ends}", indent(k)));
+        }
+        text.line(format!("  return array<u32, {count}>({});", vec!["NOWHERE"; count].join(", ")));
+        text.line("}");
+    }
+    text
+}
+
+fn equal(test: &Equal) -> String {
+    let float = test.a.scalar() == Scalar::Float || test.b.scalar() == Scalar::Float;
+    let side = |operand: Operand| {
+        let value = match operand {
+            Operand::Literal(ty, word) => literal(ty, word),
+            Operand::Word(ty, place, word) => {
+                from_word(ty, &format!("word_at({}, {word}u)", place_text(place)))
+            }
+        };
+        if float && operand.scalar() != Scalar::Float { format!("f32({value})") } else { value }
+    };
+    format!("{} == {}", side(test.a), side(test.b))
+}
+
+/// A place as the body of a search names it.
+fn place_text(place: Place) -> String {
+    match place {
+        Place::Found { step, .. } => format!("s{step}"),
+        Place::Strict(n) => format!("beside(own, {n}u)"),
+        Place::Before(n) => (0..n).fold("own".to_string(), |text, _| format!("up_of({text})")),
+        Place::Behind { last, steps } => {
+            (0..steps).fold(format!("beside(own, {last}u)"), |text, _| format!("down_of({text})"))
+        }
+    }
 }
 
 /// `matching_rule(m)`: the rule that fires on a module.
@@ -126,7 +202,7 @@ fn try_rule(text: &mut Text, rule: &MatchRule, code: &RuleCode, idle: u32) {
 }
 
 /// `successor(rule, c, m)`: symbol and parameters of cell c; the module itself where it is kept.
-pub fn successors(stage: &Stage) -> Text {
+pub fn successors(stage: &Stage, layout: &Layout) -> Text {
     let mut text = Text::default();
     text.line("fn successor(rule: u32, c: u32, m: Record) -> Record {");
     text.line("  var r = Record();");
@@ -141,7 +217,13 @@ pub fn successors(stage: &Stage) -> Text {
             }
         }
     }
-    text.line("    default: { r = m; }");
+    match layout.link {
+        None => text.line("    default: { r = m; }"),
+        Some(word) => {
+            let link = lane(word).replacen('m', "r", 1);
+            text.line(format!("    default: {{ r = m; {link} = hang_of(m.index); }}"));
+        }
+    }
     text.line("  }");
     text.line("  return r;");
     text.line("}");
@@ -190,6 +272,8 @@ struct Values<'a> {
     texts: Vec<String>,
     /// The records around the module that are read, by their offset.
     near: HashMap<i32, String>,
+    /// The names of what searches find.
+    found: HashMap<NodeId, String>,
 }
 
 impl<'a> Values<'a> {
@@ -209,7 +293,7 @@ impl<'a> Values<'a> {
             }
         }
         let texts = Vec::with_capacity(graph.nodes.len());
-        let mut values = Values { graph, texts, near: HashMap::new() };
+        let mut values = Values { graph, texts, near: HashMap::new(), found: HashMap::new() };
         for (id, node) in graph.nodes.iter().enumerate() {
             if let (true, Node::Near(_, offset, _) | Node::NearSymbol(offset)) = (uses[id] > 0, *node)
                 && !values.near.contains_key(&offset)
@@ -222,11 +306,25 @@ impl<'a> Values<'a> {
             }
         }
         for (id, node) in graph.nodes.iter().enumerate() {
+            if let (true, Node::Search(_)) = (uses[id] > 0, node) {
+                let name = format!("found{}_{id}", text.lines.len());
+                text.of_rule(format!("{indent}var {name} = {};", values.node(node)), span);
+                values.texts.push(format!("bitcast<i32>({name}[0])"));
+                values.found.insert(id, name);
+                continue;
+            }
             let mut value = if uses[id] == 0 { String::new() } else { values.node(node) };
             if uses[id] > 1
                 && matches!(
                     node,
-                    Node::Call(..) | Node::Element { .. } | Node::Measured(..) | Node::Given(..)
+                    Node::Call(..)
+                        | Node::Element { .. }
+                        | Node::Measured(..)
+                        | Node::Given(..)
+                        | Node::Beside(_)
+                        | Node::Up(_)
+                        | Node::Down(_)
+                        | Node::SymbolAt(_)
                 )
             {
                 // Not written twice: a chain of sharing nodes would double at each.
@@ -251,6 +349,11 @@ impl<'a> Values<'a> {
         }
     }
 
+    /// The node as an index of the word.
+    fn place(&self, id: NodeId) -> String {
+        format!("bitcast<u32>({})", self.texts[id])
+    }
+
     fn node(&self, node: &Node) -> String {
         match *node {
             Node::Literal(ty, word) => literal(ty, word),
@@ -263,6 +366,21 @@ impl<'a> Values<'a> {
                 format!("i32({}.q0.x & 0xffffu)", self.near.get(&offset).map_or("m", String::as_str))
             }
             Node::Behind => "i32(extent.wanted - m.index)".to_string(),
+            Node::Index => "bitcast<i32>(m.index)".to_string(),
+            Node::Beside(places) => format!("bitcast<i32>(beside(m.index, {places}u))"),
+            Node::Up(n) => format!("bitcast<i32>(up_of({}))", self.place(n)),
+            Node::Down(n) => format!("bitcast<i32>(down_of({}))", self.place(n)),
+            Node::Search(search) => format!("search_{search}(m.index)"),
+            Node::Found { search, step } => format!("bitcast<i32>({}[{step}])", self.found[&search]),
+            Node::At(ty, n, at) => from_word(ty, &format!("word_at({}, {at}u)", self.place(n))),
+            Node::SymbolAt(n) => format!("i32(symbol_at({}))", self.place(n)),
+            Node::Link { cell, lateral } => {
+                let on = match cell {
+                    None => "hang_of(m.index)".to_string(),
+                    Some(cell) => format!("(offsets[m.index] + {cell}u)"),
+                };
+                format!("bitcast<i32>({on}{})", if lateral { " | LATERAL" } else { "" })
+            }
             Node::Uniform(ty, at) => from_word(ty, &format!("uniform_word({at}u)")),
             Node::Measured(ty, at) => from_word(ty, &format!("measured_word(m, {at}u)")),
             Node::Given(ty, index) => from_word(ty, &format!("given_word({})", self.texts[index])),

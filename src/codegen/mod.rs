@@ -151,6 +151,8 @@ pub struct Error {
 pub struct StageShaders {
     /// Where the rules read attributes of nets.
     pub measure: Option<Shader>,
+    /// Where words are linked.
+    pub link: Option<Shader>,
     pub match_modules: Shader,
     /// Where rules replace several modules.
     pub claim: Option<Shader>,
@@ -174,12 +176,13 @@ pub fn stage_edited(
     let stage = id.of(plan);
     let constants = stage_constants(plan, stage, tuning);
     let layout = plan.tables.layout;
-    let matching = generate::matching(stage);
+    let mut matching = generate::searches(&plan.tables);
+    matching.append(generate::matching(stage));
     let mut match_parts = generate::record(&layout, false);
     match_parts.append(matching.clone());
     let mut emit_parts = generate::record(&layout, true);
     emit_parts.append(matching);
-    emit_parts.append(generate::successors(stage));
+    emit_parts.append(generate::successors(stage, &layout));
     let measure = match stage.row.words {
         0 => None,
         _ => {
@@ -194,8 +197,17 @@ pub fn stage_edited(
         }
         false => None,
     };
+    let link = match layout.link {
+        Some(_) => {
+            let mut parts = generate::record(&layout, false);
+            parts.append(generate::ignored(&plan.tables));
+            Some(build("link", &constants, parts, edit)?)
+        }
+        None => None,
+    };
     Ok(StageShaders {
         measure,
+        link,
         claim,
         match_modules: build("match_modules", &constants, match_parts, edit)?,
         count: build("count", &constants, generate::Text::default(), edit)?,
@@ -249,11 +261,12 @@ pub fn measures(tuning: &Tuning) -> Result<[Shader; 2], Error> {
 
 fn layout_constants(layout: &Layout, tuning: &Tuning) -> String {
     format!(
-        "const WORKGROUP = {}u;\nconst QUADS = {}u;\nconst HALO = {}u;\nconst POINTS = {}u;\nconst ROWS = {}u;\nconst COLUMNS = {}u;\n\
+        "const WORKGROUP = {}u;\nconst QUADS = {}u;\nconst HALO = {}u;\nconst LINK = {}u;\nconst POINTS = {}u;\nconst ROWS = {}u;\nconst COLUMNS = {}u;\n\
          const LINES = {}u;\nconst NETS = {}u;\n",
         tuning.workgroup,
         layout.record_words / 4,
         layout.halo(),
+        layout.link.unwrap_or(0),
         layout.net_points(),
         layout.degree[0] + 1,
         layout.degree[1] + 1,

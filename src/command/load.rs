@@ -359,7 +359,7 @@ fn place_of_axiom(system: &System) -> Span {
     let first = match &system.axiom {
         Axiom::Patches(starts) => starts.first().map(|start| start.span),
         Axiom::Curve(starts) => starts.first().map(|start| match start {
-            CurveStart::Module(module) => module.span,
+            CurveStart::Word(word) => word.modules.first().map_or(system.source.name.span, |m| m.span),
             CurveStart::Points { span, .. } | CurveStart::System { span, .. } => *span,
         }),
         _ => None,

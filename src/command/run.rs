@@ -220,7 +220,9 @@ pub fn of_plan(e: plan::Error) -> Failure {
             let what = format!("{who} needs at least {needed} for {modules}; the memory budget is {budget}");
             Failure::Device(format!("error: {what}\nhelp: {help} --max-memory"))
         }
-        plan::Error::TooDeep { .. } => Failure::Device(format!("{text}\nhelp: derive fewer steps (--steps)")),
+        plan::Error::TooDeep { .. } | plan::Error::TooLong { .. } => {
+            Failure::Device(format!("{text}\nhelp: derive fewer steps (--steps)"))
+        }
         plan::Error::Stopped { steps } => {
             let steps = counted(steps as u64, "step");
             Failure::Stopped(format!("error: stopped by Ctrl-C after {steps}; nothing was written"))

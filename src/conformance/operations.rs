@@ -113,9 +113,19 @@ impl Expressions {
         let code = &stage.code.children[0];
         let of_module = |record: &[u32]| {
             let (environment, given, measured, spread) = (environment.as_slice(), &[][..], &[][..], &[][..]);
-            let (window, at, behind) = (&[][..], 0, 0);
-            let module =
-                bound::Module { record, window, at, behind, environment, given, measured, spread, clock };
+            let module = bound::Module {
+                record,
+                window: &[],
+                at: 0,
+                behind: 0,
+                environment,
+                given,
+                measured,
+                spread,
+                clock,
+                linked: None,
+                index: 0,
+            };
             let nodes = bound::evaluate(&code.graph, &module);
             // The words of the results stand in their order.
             let mut words = code.args[0].iter().map(|&(node, _)| nodes[node]);

@@ -76,6 +76,9 @@ fn emit_part(
         }
         let Some(production) = stage.productions.get(rule) else {
             out[at..at + words].copy_from_slice(part.record(i));
+            if let Some(link) = part.layout.link {
+                out[at + link] = part.hangs[part.first + i];
+            }
             at += words;
             continue;
         };

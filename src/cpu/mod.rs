@@ -10,6 +10,7 @@ pub mod count;
 pub mod emit;
 pub mod emit_word;
 pub mod expand;
+pub mod link;
 pub mod match_modules;
 pub mod measure;
 pub mod program;
@@ -23,6 +24,7 @@ use crate::plan::derive::{self, Backend, Modules, Options, Outcome, StageId};
 use crate::plan::edges;
 use crate::plan::given::Given;
 use crate::plan::layout::{END, Layout};
+use crate::plan::links::Links;
 use crate::plan::step::{Clock, Status};
 use crate::plan::tables::Stage;
 use crate::plan::{Error, Plan};
@@ -56,6 +58,8 @@ pub struct Cpu<'a> {
     attributes: Vec<u32>,
     /// Modules of the next chunk that a rule of the last has claimed.
     claimed: u32,
+    /// What contexts see in a linked word, kept for the next.
+    links: Links,
 }
 
 /// One sweep of the passes over a chunk.
@@ -76,6 +80,8 @@ struct Columns {
     counts: Vec<u32>,
     offsets: Vec<u32>,
     retired: Vec<u32>,
+    /// What the children of a linked word hang on.
+    hangs: Vec<u32>,
 }
 
 impl<'a> Cpu<'a> {
@@ -99,6 +105,7 @@ impl<'a> Cpu<'a> {
             columns: Columns::default(),
             attributes: Vec::new(),
             claimed: 0,
+            links: Links::default(),
         })
     }
 
@@ -114,6 +121,10 @@ impl<'a> Cpu<'a> {
         let layout = self.plan.tables.layout;
         let n = chunk.len;
         let nets = &chunk.nets[..n * layout.net_points()];
+        let tables = &self.plan.tables;
+        if layout.link.is_some() {
+            link::link(&layout, chunk.own(&layout), &tables.ignored, stage.sees_branches(), &mut self.links);
+        }
         let mut input = program::Input {
             records: chunk.own(&layout),
             window: &chunk.records,
@@ -125,6 +136,9 @@ impl<'a> Cpu<'a> {
             measured: &[],
             measured_words: stage.row.words,
             clock,
+            linked: tables.linked(chunk.own(&layout), &self.links),
+            offsets: &[],
+            hangs: &[],
         };
         if let Some(trace) = replayed {
             attributes.extend(&trace.attributes);
@@ -151,6 +165,12 @@ impl<'a> Cpu<'a> {
         if modules * layout.module_bytes() > room {
             return Outcome::NoRoom { needed: modules * layout.module_bytes(), modules };
         }
+        if layout.link.is_some() {
+            let Columns { rules, offsets, hangs, .. } = &mut *columns;
+            link::rehang(&layout, chunk.own(&layout), &stage.rule_words(), rules, offsets, hangs);
+        }
+        let columns = &*columns;
+        (input.offsets, input.hangs) = (&columns.offsets, &columns.hangs);
         let mut next = take_if(total, || self.pool.take(total));
         let mut finished = take_if(retired, || self.pool.take(retired));
         let fits = next.as_mut().is_none_or(|next| {
@@ -264,6 +284,7 @@ impl Columns {
         self.counts.clear();
         self.offsets.clear();
         self.retired.clear();
+        self.hangs.clear();
     }
 }
 
@@ -326,7 +347,7 @@ impl Backend for Cpu<'_> {
         let (words, halo) = (layout.record_words, layout.halo());
         let lengths: Vec<usize> = chunks.iter().map(|chunk| chunk.len).collect();
         for (n, edges) in edges::edges(&lengths, ring).into_iter().enumerate() {
-            for (k, edge) in edges.into_iter().enumerate() {
+            for (k, edge) in edges.into_iter().enumerate().filter(|_| halo > 0) {
                 let mut record = vec![0; words];
                 match edge {
                     Some((chunk, module)) => {
@@ -396,6 +417,9 @@ impl Traced for Cpu<'_> {
 impl Replay for Cpu<'_> {
     fn window(&self, chunk: &Chunk) -> Vec<u32> {
         chunk.records.clone()
+    }
+    fn links(&self) -> Links {
+        self.links.clone()
     }
     fn behind(&self, chunk: &Chunk) -> usize {
         chunk.behind

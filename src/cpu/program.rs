@@ -5,7 +5,8 @@
 use super::BLOCK;
 use crate::language::ops::Cpu;
 use crate::plan::graph::{Graph, Node};
-use crate::plan::layout::Layout;
+use crate::plan::layout::{LATERAL, Layout};
+use crate::plan::links::{Linked, NOWHERE};
 use crate::plan::step::Clock;
 use std::ops::Range;
 
@@ -27,6 +28,11 @@ pub struct Input<'a> {
     pub measured: &'a [u32],
     pub measured_words: usize,
     pub clock: Clock,
+    /// Of linked words: all of the word, whose module `first` is the first of `records`.
+    pub linked: Option<Linked<'a>>,
+    /// Of linked words where children go: for each module of the word its first child, and what hangs outside.
+    pub offsets: &'a [u32],
+    pub hangs: &'a [u32],
 }
 
 impl<'a> Input<'a> {
@@ -73,6 +79,12 @@ impl Registers {
     }
 }
 
+/// What the links of the word say of places.
+fn each(out: &mut [u32], places: &[u32], block: &Input, of: impl Fn(&Linked, u32) -> u32) {
+    let Some(word) = &block.linked else { return };
+    out.iter_mut().zip(places).take(block.len()).for_each(|(o, &place)| *o = of(word, place));
+}
+
 /// Runs a graph over a block of at most [`BLOCK`] modules: node n fills register n.
 pub fn run(graph: &Graph, block: &Input, registers: &mut Registers) {
     registers.0.resize(graph.nodes.len().max(1) * BLOCK, 0);
@@ -102,6 +114,32 @@ pub fn run(graph: &Graph, block: &Input, registers: &mut Registers) {
             Node::NearSymbol(offset) => {
                 let column = block.window.iter().skip(block.place(offset) * words).step_by(words);
                 out.iter_mut().zip(column).take(block.len()).for_each(|(o, w)| *o = *w & 0xffff);
+            }
+            Node::Index => out.iter_mut().zip(block.first as u32..).for_each(|(o, i)| *o = i),
+            Node::Beside(places) => {
+                let beside = |i: u32| block.linked.map_or(NOWHERE, |word| word.beside(i, places));
+                out.iter_mut().zip(block.first as u32..).for_each(|(o, i)| *o = beside(i));
+            }
+            Node::Up(n) => each(out, arg(n), block, |word, i| word.up(i)),
+            Node::Down(n) => each(out, arg(n), block, |word, i| word.down(i)),
+            Node::Search(search) => {
+                let Some(word) = &block.linked else { continue };
+                let mut found = Vec::new();
+                for i in 0..block.len() {
+                    word.search((block.first + i) as u32, &word.searches[search], &mut found);
+                    found.iter().enumerate().for_each(|(step, &there)| rest[step * BLOCK + i] = there);
+                }
+            }
+            // Its search has filled it.
+            Node::Found { .. } => {}
+            Node::At(_, n, at) => each(out, arg(n), block, |word, i| word.word(i, at)),
+            Node::SymbolAt(n) => each(out, arg(n), block, |word, i| word.symbol(i)),
+            Node::Link { cell, lateral } => {
+                let flag = if lateral { LATERAL } else { 0 };
+                for (i, o) in out.iter_mut().enumerate().take(block.len()) {
+                    let i = block.first + i;
+                    *o = flag | cell.map_or_else(|| block.hangs[i], |cell| block.offsets[i] + cell);
+                }
             }
             Node::Measured(_, at) => {
                 let column = block.measured.iter().skip(at).step_by(block.measured_words);

@@ -2,7 +2,7 @@
 
 use crate::language::Span;
 use crate::language::expr::{Expr, Type, Value};
-use crate::language::system::{self, CurveSource, CurveStart, System};
+use crate::language::system::{self, CurveSource, CurveStart, Hang, System};
 
 /// The parts of a word, in order.
 #[derive(Clone, Debug)]
@@ -14,6 +14,8 @@ pub struct Axiom {
 #[derive(Clone, Debug)]
 pub struct Part {
     pub modules: Vec<Root>,
+    /// The module at the end of its axis; none if it has nothing but branches.
+    pub exit: Option<usize>,
     /// Of type int, over uniforms.
     pub shift: Option<Expr>,
 }
@@ -25,6 +27,8 @@ pub struct Root {
     pub symbol: usize,
     /// One for each field; they read uniforms at most.
     pub args: Vec<Expr>,
+    /// What it hangs on, in its part; what hangs on nothing of the part hangs on the axis of the part before.
+    pub hang: Hang,
 }
 
 /// Why an axiom has no modules. `E` is what reading a file may say.
@@ -55,29 +59,33 @@ impl Axiom {
         let mut parts: Vec<Part> = Vec::new();
         for start in starts {
             match start {
-                CurveStart::Module(m) => {
-                    let root = Root { symbol: m.symbol, args: m.args.clone() };
-                    match parts.last_mut().filter(|part| part.shift.is_none()) {
-                        Some(part) => part.modules.push(root),
-                        None => parts.push(Part { modules: vec![root], shift: None }),
-                    }
+                CurveStart::Word(word) => {
+                    let root = |(m, &hang): (&system::Module, &Hang)| Root {
+                        symbol: m.symbol,
+                        args: m.args.clone(),
+                        hang,
+                    };
+                    let modules = word.modules.iter().zip(&word.hangs).map(root).collect();
+                    parts.push(Part { modules, exit: word.exit(), shift: None });
                 }
                 CurveStart::Points { symbol, args, source, shift, span } => {
                     let points = points(source, read)?;
                     let fields = &system.symbols[*symbol].fields;
-                    let module = |point: &[f32; 4]| {
+                    let module = |(n, point): (usize, &[f32; 4])| {
                         let arg = |(arg, field): (&Option<Expr>, &system::Field)| match arg {
                             Some(arg) => arg.clone(),
                             None => Expr::literal(of_type(point, &field.ty), *span),
                         };
-                        Root { symbol: *symbol, args: args.iter().zip(fields).map(arg).collect() }
+                        let hang = Hang { on: n.checked_sub(1), lateral: false, slot: n as u32 };
+                        Root { symbol: *symbol, args: args.iter().zip(fields).map(arg).collect(), hang }
                     };
                     if let Some(n) = points.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
                         let message = format!("point {n} of the axiom is not finite: {:?}", points[n]);
                         return Err(AxiomError::Wrong { message, span: *span });
                     }
-                    let modules = points.iter().map(module).collect();
-                    parts.push(Part { modules, shift: shift.clone() });
+                    let modules = points.iter().enumerate().map(module).collect();
+                    let exit = points.len().checked_sub(1);
+                    parts.push(Part { modules, exit, shift: shift.clone() });
                 }
                 CurveStart::System { span, .. } => return Err(of_system(*span)),
             }

@@ -28,6 +28,11 @@ pub struct Module {
     pub params: Vec<Value>,
     /// Its place in the derivation tree, hashed; 0 where the system draws no random numbers.
     pub path: u64,
+    /// The module before it on its axis or, if it begins a branch, the one that it branches off: an index into
+    /// [`Word::modules`]. None of the first of a curve, also of a ring.
+    pub parent: Option<usize>,
+    /// It begins a branch.
+    pub lateral: bool,
 }
 
 impl Word {

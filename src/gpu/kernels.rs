@@ -105,6 +105,21 @@ impl Kernel {
             pass.dispatch_workgroups(*x, *y, 1);
         }
     }
+
+    /// Records these entries, one after the other, each over as many workgroups.
+    pub fn record_entries(
+        &self,
+        pass: &mut wgpu::ComputePass,
+        group: &wgpu::BindGroup,
+        entries: &[usize],
+        [x, y]: [u32; 2],
+    ) {
+        pass.set_bind_group(0, group, &[0]);
+        for &entry in entries {
+            pass.set_pipeline(&self.pipelines[entry]);
+            pass.dispatch_workgroups(x, y, 1);
+        }
+    }
 }
 
 /// How a kernel sees a buffer.
@@ -154,9 +169,31 @@ pub fn scan_groups(count: u64, tile: u32) -> [[u32; 2]; 3] {
     [tiles, [1, 1], tiles]
 }
 
+/// Entries of the kernel `link`: what contexts see, then what children hang on.
+pub const LINK_ENTRIES: [&str; 6] = ["start", "scatter", "settle", "jump", "unhang", "rehang"];
+
+/// Dispatches that fill the links which contexts follow, each as the entry that it calls: jumps as often as a link may
+/// have to double.
+pub fn link_calls(n: u64, branches: bool, ignoring: bool) -> Vec<usize> {
+    let settled = branches.then_some(2);
+    let jumps = if branches || ignoring { rounds(n) } else { 0 };
+    [0, 1].into_iter().chain(settled).chain(std::iter::repeat_n(3, jumps)).collect()
+}
+
+/// Those that say what children hang on.
+pub fn hang_calls(n: u64, unhangs: bool) -> Vec<usize> {
+    std::iter::once(4).chain(std::iter::repeat_n(5, if unhangs { rounds(n) } else { 0 })).collect()
+}
+
+/// Rounds in which links that double reach through so many modules.
+fn rounds(n: u64) -> usize {
+    (u64::BITS - n.leading_zeros()) as usize + 1
+}
+
 /// The kernels of a stage, and its environment.
 pub struct StageKernels {
     pub measure: Option<Kernel>,
+    pub link: Option<Kernel>,
     pub match_modules: Kernel,
     pub claim: Option<Kernel>,
     pub count: Kernel,
@@ -181,13 +218,21 @@ impl StageKernels {
         engine.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(environment));
         let claim = |s: &Shader| Kernel::of_pass(engine, s, &step::CLAIM, &["reduce", "spine", "claim"]);
         let measure = |s: &Shader| Kernel::of_pass(engine, s, &step::MEASURE, &["measure"]);
+        let link = |s: &Shader| Kernel::of_pass(engine, s, &step::LINK, &LINK_ENTRIES);
+        let linked = plan.tables.layout.link.is_some();
+        let of_pass = |s: &Shader, pass: &Pass| {
+            let links = linked.then_some((Column::Links, false));
+            let bindings: Vec<_> = bindings(pass).into_iter().chain(links).collect();
+            Kernel::new(engine, s, &bindings, &[pass.name])
+        };
         Ok(StageKernels {
             measure: shaders.measure.as_ref().map(measure),
+            link: shaders.link.as_ref().map(link),
             claim: shaders.claim.as_ref().map(claim),
-            match_modules: Kernel::of_pass(engine, &shaders.match_modules, &step::MATCH, &["match_modules"]),
+            match_modules: of_pass(&shaders.match_modules, &step::MATCH),
             count: Kernel::of_pass(engine, &shaders.count, &step::COUNT, &["count"]),
             emit: match plan.tables.layout.is_curve() {
-                true => Kernel::of_pass(engine, &shaders.emit, &step::EMIT_WORD, &["emit_word"]),
+                true => of_pass(&shaders.emit, &step::EMIT_WORD),
                 false => Kernel::of_pass(engine, &shaders.emit, &step::EMIT, &["emit"]),
             },
             environment: buffer,

@@ -22,6 +22,7 @@ pub(super) struct Columns {
     sums: Pooled,
     retired: Pooled,
     retired_sums: Pooled,
+    links: Pooled,
 }
 
 /// A column, or as much of it as there is: where the growth is closed nobody reads it.
@@ -63,6 +64,8 @@ struct Totals {
 impl Gpu<'_> {
     pub(super) fn columns(&mut self, n: u64) -> Columns {
         let sums = (n.div_ceil(self.engine.tuning.tile() as u64) + 1) * 4;
+        // Sections of the column of links.
+        let links = if self.layout().link.is_some() { 4 * 4 * n } else { 4 };
         let mut take = |label, bytes| self.pool.take(&self.engine, label, bytes);
         Columns {
             rules: take("burgeon rules", n * 4),
@@ -71,12 +74,15 @@ impl Gpu<'_> {
             sums: take("burgeon sums", sums),
             retired: take("burgeon retired", n * 4),
             retired_sums: take("burgeon retired sums", sums),
+            links: take("burgeon links", links),
         }
     }
 
     pub(super) fn give_columns(&mut self, columns: Columns) {
-        let Columns { rules, counts, offsets, sums, retired, retired_sums } = columns;
-        [rules, counts, offsets, sums, retired, retired_sums].into_iter().for_each(|c| self.pool.give(c));
+        let Columns { rules, counts, offsets, sums, retired, retired_sums, links } = columns;
+        [rules, counts, offsets, sums, retired, retired_sums, links]
+            .into_iter()
+            .for_each(|c| self.pool.give(c));
     }
 
     fn write_extent(&self, slot: u64, extent: Extent) {
@@ -154,13 +160,27 @@ impl Gpu<'_> {
             let sums = |b| Binding::new(b, (tiles + 1) * 4);
             let status = Binding::new(&self.status, STATUS_BYTES);
             let attributes = self.attributes(stage, n);
-            let bound = [self.extent(0), environment, records, attributes, rules, status];
+            let links = Binding::whole(&columns.links.buffer);
+            let linking = kernels.link.as_ref().map(|link| {
+                (link, link.bind(&self.engine, &[self.extent(0), environment, records, rules, links]))
+            });
+            let ignoring = self.plan.tables.ignored.contains(&true);
+            if let Some((link, group)) = &linking {
+                let calls = kernels::link_calls(n, stage.sees_branches(), ignoring);
+                link.record_entries(&mut pass, group, &calls, one_each[0]);
+            }
+            let mut bound = vec![self.extent(0), environment, records, attributes, rules, status];
+            bound.extend(kernels.link.as_ref().map(|_| links));
             let group = kernels.match_modules.bind(&self.engine, &bound);
             kernels.match_modules.record(&mut pass, &group, &one_each);
             if let Some(claim) = &kernels.claim {
                 let bound = [self.extent(0), environment, rules, sums(&columns.sums.buffer), status];
                 let group = claim.bind(&self.engine, &bound);
                 claim.record(&mut pass, &group, &kernels::scan_groups(n, tuning.tile()));
+            }
+            if let Some((link, group)) = &linking {
+                let calls = kernels::hang_calls(n, stage.unhangs());
+                link.record_entries(&mut pass, group, &calls, one_each[0]);
             }
             let group = kernels.count.bind(&self.engine, &[self.extent(0), environment, rules, counts]);
             kernels.count.record(&mut pass, &group, &one_each);
@@ -240,7 +260,8 @@ impl Gpu<'_> {
                     status,
                 ];
                 // Curves have no nets.
-                let curve = [0, 1, 2, 4, 5, 6, 7, 9].map(|n| bound[n]);
+                let mut curve = [0, 1, 2, 4, 5, 6, 7, 9].map(|n| bound[n]).to_vec();
+                curve.extend(kernels.link.as_ref().map(|_| Binding::whole(&columns.links.buffer)));
                 let bound = if layout.is_curve() { &curve[..] } else { &bound[..] };
                 let group = kernels.emit.bind(&self.engine, bound);
                 let invocations = tuning.emit_invocations(n, &layout);

@@ -24,6 +24,8 @@ pub struct System {
     pub groups: Vec<Group>,
     /// What [`StepKind::Place`] counts.
     pub placements: Vec<Placement>,
+    /// Symbols that contexts look past.
+    pub ignored: Vec<SymbolId>,
     pub run: Vec<Step>,
     /// What was written, for messages and for the parts of the language that later passes read.
     pub source: Arc<syntax::System>,
@@ -102,15 +104,15 @@ pub enum Axiom {
     Patches(Vec<PatchStart>),
     /// In the order of the word.
     Curve(Vec<CurveStart>),
-    /// Meshes, or a word with branches: see the syntax tree.
+    /// Meshes: see the syntax tree.
     Other,
 }
 
 /// A part of a curve's axiom.
 #[derive(Clone, Debug)]
 pub enum CurveStart {
-    /// A module, written out; its arguments read uniforms at most.
-    Module(Module),
+    /// Modules, written out; their arguments read uniforms at most.
+    Word(CurveWord),
     /// `P(_, true) = file "c.csv"`: a module for each point.
     Points {
         symbol: SymbolId,
@@ -123,6 +125,40 @@ pub enum CurveStart {
     },
     /// The final word of an earlier system of the file.
     System { name: String, shift: Option<Expr>, span: Span },
+}
+
+/// Modules of a curve in the order of the word, and how they hang together.
+#[derive(Clone, Debug, Default)]
+pub struct CurveWord {
+    pub modules: Vec<Module>,
+    /// One for each module.
+    pub hangs: Vec<Hang>,
+    /// Modules and `eps`.
+    pub slots: u32,
+}
+
+/// What a module of a written word hangs on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Hang {
+    /// The module of the same word; none on what stands before the word.
+    pub on: Option<usize>,
+    /// It begins a branch.
+    pub lateral: bool,
+    /// Its place in the word, `eps` counted and brackets not.
+    pub slot: u32,
+}
+
+impl CurveWord {
+    /// The module that what follows the word hangs on; none if the word has nothing on its axis.
+    pub fn exit(&self) -> Option<usize> {
+        let mut at = None;
+        for (n, hang) in self.hangs.iter().enumerate() {
+            if hang.on == at && !hang.lateral {
+                at = Some(n);
+            }
+        }
+        at
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -192,13 +228,24 @@ pub struct QueryUse {
     pub span: Span,
 }
 
-/// The symbols of a context, nearest last on the left, nearest first on the right. The full form,
-/// with branches, is in the syntax tree.
+/// The symbols of a context as written: nearest last on the left, nearest first on the right, those of branches
+/// where these stand.
 #[derive(Clone, Debug)]
 pub struct Context {
     pub symbols: Vec<SymbolId>,
+    /// Of a right context what its modules are to each other.
+    pub parts: Vec<ContextPart>,
     pub end: bool,
     pub span: Span,
+}
+
+/// A part of a right context.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ContextPart {
+    /// Index into [`Context::symbols`].
+    Module(usize),
+    /// A branch, which begins with a module, and whether it ends with `#`.
+    Branch(Vec<ContextPart>, bool),
 }
 
 /// Where the value of a bound name stands.
@@ -254,8 +301,9 @@ pub enum Successor {
     Relabel(Module),
     /// Patch systems: a block.
     Split(Block),
-    /// A word of a curve system, in the order written (branches flattened into it), or
-    /// the modules of a mesh system's slots. The full form is in the syntax tree.
+    /// A word of a curve system.
+    Word(CurveWord),
+    /// The modules of a mesh system's slots, or of a branching surface. The full form is in the syntax tree.
     Modules(Vec<Module>),
 }
 

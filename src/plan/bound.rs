@@ -7,6 +7,7 @@
 //! backends ask; a derivation never does.)
 
 use super::graph::{Graph, Node, Scalar};
+use super::links::{Linked, NOWHERE};
 use super::measure::Row;
 use super::step::Clock;
 use super::tables::Stage;
@@ -67,13 +68,29 @@ pub struct Module<'a> {
     /// For each word of `measured` how far it may be off.
     pub spread: &'a [f32],
     pub clock: Clock,
+    /// The word, where it is linked, and the module's index in it.
+    pub linked: Option<Linked<'a>>,
+    pub index: u32,
 }
 
 impl Module<'_> {
+    /// What the links of the word say.
+    fn walk(&self, of: impl Fn(&Linked) -> u32) -> Known {
+        Known::Exact(self.linked.as_ref().map_or(0, of))
+    }
+
     /// A word of the record so many places to the right.
     fn near(&self, offset: i32, word: usize) -> u32 {
         let at = self.at as i64 + i64::from(offset) * self.record.len() as i64 + word as i64;
         usize::try_from(at).ok().and_then(|at| self.window.get(at)).copied().unwrap_or(0)
+    }
+}
+
+/// A place, which is the same everywhere.
+fn exact(place: Known) -> u32 {
+    match place {
+        Known::Exact(place) => place,
+        _ => NOWHERE,
     }
 }
 
@@ -92,6 +109,19 @@ pub fn evaluate(graph: &Graph, module: &Module) -> Vec<Known> {
             Node::NearSymbol(offset) => Known::Exact(module.near(offset, 0) & 0xffff),
             // Which of two backends counts, they agree on: it is no float.
             Node::Behind => Known::Exact(module.behind),
+            Node::Index => Known::Exact(module.index),
+            Node::Beside(places) => module.walk(|word| word.beside(module.index, places)),
+            Node::Up(n) => module.walk(|word| word.up(exact(known[n]))),
+            Node::Down(n) => module.walk(|word| word.down(exact(known[n]))),
+            Node::Search(search) => module.walk(|word| word.found(module.index, search, 0)),
+            Node::Found { search, step } => match graph.nodes[search] {
+                Node::Search(search) => module.walk(|word| word.found(module.index, search, step)),
+                _ => Known::Any,
+            },
+            Node::At(_, n, at) => module.walk(|word| word.word(exact(known[n]), at)),
+            Node::SymbolAt(n) => module.walk(|word| word.symbol(exact(known[n]))),
+            // An integer that no expression reads.
+            Node::Link { .. } => Known::Any,
             Node::Uniform(_, at) => Known::Exact(word(module.environment, at)),
             Node::Measured(_, at) => {
                 let (word, radius) = (word(module.measured, at), module.spread.get(at).copied());

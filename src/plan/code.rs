@@ -1,8 +1,9 @@
 //! The rules' expressions as graphs, ready for either backend.
 
+use super::context::{Near, Place, Search};
 use super::graph::{Constants, Graph, Names, NodeId, Subject};
 use super::layout::Layout;
-use super::tables::{Environment, MatchRule, Near, Production, Stage, Symbol};
+use super::tables::{Environment, MatchRule, Production, Stage, Symbol};
 use crate::language::expr::Expr;
 
 /// When a rule fires, and on which of its productions.
@@ -39,14 +40,21 @@ pub struct StageCode {
 
 impl StageCode {
     /// The code of a stage whose row of attributes is known.
-    pub fn new(stage: &Stage, symbols: &[Symbol], environment: &Environment, layout: &Layout) -> StageCode {
+    pub fn new(
+        stage: &Stage,
+        symbols: &[Symbol],
+        searches: &[Search],
+        environment: &Environment,
+        layout: &Layout,
+    ) -> StageCode {
         let base = environment.given.end(environment.queries.len());
         let mut constants = Constants { base, words: Vec::new() };
         let mut code = StageCode::default();
         for rule in &stage.rules {
-            let mut lower = Lower::new(stage, rule, symbols, environment, layout, &mut constants);
+            let mut lower = Lower::new(stage, rule, (symbols, searches), environment, layout, &mut constants);
+            let linked = layout.link.is_some();
             let mut guards: Vec<NodeId> = rule.context.iter().map(|near| lower.near(near)).collect();
-            if !rule.others.is_empty() {
+            if !rule.others.is_empty() && !linked {
                 // Never across the start of a ring.
                 guards.push(lower.graph.has_behind(rule.others.len() as u32 + 1));
             }
@@ -61,14 +69,15 @@ impl StageCode {
         }
         for production in &stage.productions {
             let rule = &stage.rules[production.rule];
-            let mut lower = Lower::new(stage, rule, symbols, environment, layout, &mut constants);
+            let mut lower = Lower::new(stage, rule, (symbols, searches), environment, layout, &mut constants);
             let mut args = Vec::with_capacity(production.cells.len());
-            for (slot, cell) in production.cells.iter().enumerate() {
+            for cell in &production.cells {
                 let Some(cell) = cell else {
                     args.push(Vec::new());
                     continue;
                 };
-                let mut words = lower.path(production, slot as u32, layout);
+                let mut words = lower.path(production, cell.hang.slot, layout);
+                words.extend(layout.link.map(|word| (lower.graph.link(&cell.hang), word)));
                 words.extend(lower.args(&cell.args, &symbols[cell.symbol]));
                 args.push(words);
             }
@@ -90,12 +99,12 @@ impl<'a> Lower<'a> {
     fn new(
         stage: &'a Stage,
         rule: &'a MatchRule,
-        symbols: &'a [Symbol],
+        (symbols, searches): (&'a [Symbol], &'a [Search]),
         environment: &'a Environment,
         layout: &Layout,
         constants: &'a mut Constants,
     ) -> Self {
-        let own = symbols[rule.predecessor].words.iter().map(|&at| (0, at));
+        let own = symbols[rule.predecessor].words.iter().map(|&at| (Place::Strict(0), at));
         let fields = own.chain(rule.reads.iter().copied()).collect();
         let path = match layout.is_curve() {
             true => vec![1, 2],
@@ -105,6 +114,8 @@ impl<'a> Lower<'a> {
             graph: Graph::default(),
             names: Names {
                 fields,
+                linked: layout.link.is_some(),
+                searches,
                 environment,
                 subject: Subject::Module(&stage.row),
                 path,
@@ -120,21 +131,21 @@ impl<'a> Lower<'a> {
         lower
     }
 
-    /// Whether the symbol that a context asks for stands in its place.
-    fn near(&mut self, near: &Near) -> NodeId {
-        self.graph.near(near)
-    }
-
     /// The words of a child's path, where curves have one: a module that replaces its predecessor keeps it.
     fn path(&mut self, production: &Production, slot: u32, layout: &Layout) -> Vec<(NodeId, usize)> {
         if !layout.has_paths() {
             return Vec::new();
         }
-        let path = match production.count() {
-            1 => self.graph.path(),
-            _ => self.graph.child_path(slot),
+        let path = match production.relabels {
+            true => self.graph.path(),
+            false => self.graph.child_path(slot),
         };
         path.into_iter().zip(1..).collect()
+    }
+
+    /// Whether the symbol that a context asks for stands in its place.
+    fn near(&mut self, near: &Near) -> NodeId {
+        self.graph.near(near, &self.names)
     }
 
     fn expr(&mut self, e: &Expr) -> Vec<NodeId> {

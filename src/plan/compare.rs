@@ -10,6 +10,7 @@ use super::Plan;
 use super::bound::{self, Known, Module};
 use super::derive::{Backend, Modules, Outcome, StageId};
 use super::given::Given;
+use super::links::Links;
 use super::step::Clock;
 use super::tables::Stage;
 use std::sync::Arc;
@@ -55,6 +56,8 @@ pub trait Replay: Traced {
     ) -> Result<Outcome<Self::Chunk>, Self::Error>;
     /// The records of a chunk with those beside it.
     fn window(&self, chunk: &Self::Chunk) -> Vec<u32>;
+    /// What contexts saw in the last sweep, if its word was linked.
+    fn links(&self) -> Links;
     /// Modules of a curve's word from the chunk's first to the end.
     fn behind(&self, chunk: &Self::Chunk) -> usize;
     /// The environment of a stage.
@@ -212,6 +215,8 @@ impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
         let (records, nets) = self.left.read(chunk).map_err(PairError::Left)?;
         let environment = self.left.environment(id);
         let window = self.left.window(chunk);
+        let links = self.left.links();
+        let linked = plan.tables.linked(&records, &links);
         let given = self.given.clone();
         let view = &environment[plan.tables.given.view()..];
         let row = stage.row.words;
@@ -237,8 +242,19 @@ impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
                 let at = (layout.halo() + i) * layout.record_words;
                 let (spread, window) = (&spread[..], &window[..]);
                 let behind = (self.left.behind(chunk) - i) as u32;
-                let module =
-                    Module { record, window, at, behind, environment, given, measured, spread, clock };
+                let module = Module {
+                    record,
+                    window,
+                    at,
+                    behind,
+                    environment,
+                    given,
+                    measured,
+                    spread,
+                    clock,
+                    linked,
+                    index: i as u32,
+                };
                 if !bound::possible_rules(stage, &module).contains(&rules[1]) {
                     let place = |_| format!("the rule of module {i}");
                     self.same("match_modules", &rules[..1], &rules[1..], place, |w| w.to_string())?;
@@ -263,6 +279,8 @@ impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
         let trace = self.left.trace().clone();
         let environment = self.left.environment(id);
         let given = self.given.clone();
+        let links = self.left.links();
+        let linked = plan.tables.linked(parents, &links);
         for (n, (own, other)) in left.chunks_exact(words).zip(right.chunks_exact_mut(words)).enumerate() {
             if own == other {
                 continue;
@@ -280,10 +298,12 @@ impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
                 measured: trace.attributes.get(i * row..i * row + row).unwrap_or(&[]),
                 spread: &[],
                 clock,
+                linked,
+                index: i as u32,
             };
             let code = &stage.code.children[rule];
             let known = bound::evaluate(&code.graph, &module);
-            for &(node, at) in &code.args[cell] {
+            for &(node, at) in code.args[cell].iter().filter(|arg| Some(arg.1) != plan.tables.layout.link) {
                 if own[at] != other[at] && self.allows(known[node], own[at], other[at]) {
                     other[at] = own[at];
                 }
@@ -411,12 +431,17 @@ fn whole(_: usize) -> String {
 
 /// The module, and the field of its record, that a word belongs to.
 fn place_in_records(plan: &Plan, records: &[u32], at: usize) -> String {
-    let words = plan.tables.layout.record_words;
+    let layout = &plan.tables.layout;
+    let words = layout.record_words;
     let (module, word) = (at / words, at % words);
+    let mut curve = vec!["symbol"];
+    curve.extend(
+        layout.has_paths().then_some(["high word of the path", "low word of the path"]).into_iter().flatten(),
+    );
+    curve.extend(layout.link.map(|_| "link"));
+    curve.extend(layout.word.map(|_| "word"));
     let patch =
         ["symbol and halvings", "root", "high word of the key", "low word of the key", "row", "column"];
-    let curve = ["symbol", "high word of the path", "low word of the path"];
-    let layout = &plan.tables.layout;
     let header = if layout.is_curve() { &curve[..layout.header_words] } else { &patch[..] };
     let Some(record) = records.get(module * words..(module + 1) * words) else {
         return format!("word {word} of module {module}");

@@ -7,7 +7,7 @@
 //! derive names their symbol. The order of the word is restored by its keys at the end.
 
 use super::given::{Given, View};
-use super::layout::{Header, Layout};
+use super::layout::{Header, LATERAL, Layout, NONE};
 use super::schedule::{self, Derive};
 use super::size::{self, Bounds};
 use super::step::Clock;
@@ -315,11 +315,16 @@ impl<B: Backend> Run<'_, B> {
         let layout = self.plan.tables.layout;
         let growth = id.of(self.plan).max_count() as usize;
         let most = (self.backend.most_modules() / growth).max(1);
-        let most = self.options.chunk_modules.map_or(most, |m| most.min(m.max(1)));
+        let mut most = self.options.chunk_modules.map_or(most, |m| most.min(m.max(1)));
+        if layout.link.is_some() {
+            // A linked word is one chunk: its links say where modules stand in it.
+            most = self.backend.most_modules();
+            self.fits_one_chunk(self.modules)?;
+        }
         let mut fired = false;
         let mut next = Vec::new();
         let mut waiting = std::mem::take(&mut self.frontier);
-        if layout.is_curve() {
+        if layout.halo() > 0 {
             // What stands beside a chunk is copied to it before any is rewritten.
             let mut pieces = Vec::with_capacity(waiting.len());
             for chunk in waiting {
@@ -343,7 +348,10 @@ impl<B: Backend> Run<'_, B> {
             }
             // The word as it stands, this chunk's old modules among it, is there beside the new ones.
             let held = self.modules * layout.module_bytes();
-            let room = self.options.max_bytes.saturating_sub(held);
+            let mut room = self.options.max_bytes.saturating_sub(held);
+            if layout.link.is_some() {
+                room = room.min(most as u64 * layout.module_bytes());
+            }
             let outcome = self.backend.step(id, clock, &chunk, room)?;
             self.backend.recycle(chunk);
             match outcome {
@@ -363,6 +371,9 @@ impl<B: Backend> Run<'_, B> {
                     self.modules = self.modules + new - length as u64;
                 }
                 Outcome::NoRoom { needed, modules } => {
+                    if layout.link.is_some() {
+                        self.fits_one_chunk(modules)?;
+                    }
                     return Err(Error::Memory {
                         needed: held + needed,
                         modules: self.modules + modules,
@@ -378,6 +389,14 @@ impl<B: Backend> Run<'_, B> {
         }
         self.frontier = next;
         Ok(fired)
+    }
+
+    fn fits_one_chunk(&self, modules: u64) -> Result<(), Error> {
+        let most = self.backend.most_modules() as u64;
+        if modules <= most {
+            return Ok(());
+        }
+        Err(Error::TooLong { modules, most, step: self.steps.len() as u32 + 1 })
     }
 }
 
@@ -408,19 +427,30 @@ pub fn collect_curve<B: Backend>(
     derivation: &Derivation<B::Chunk>,
 ) -> Result<curve::Word, B::Error> {
     let layout = plan.tables.layout;
-    let mut modules = Vec::new();
+    let mut modules: Vec<curve::Module> = Vec::new();
     for chunk in &derivation.chunks {
         let (records, _) = backend.read(chunk)?;
-        modules.extend(records.chunks_exact(layout.record_words).map(|record| {
+        for record in records.chunks_exact(layout.record_words) {
             let symbol = (record[0] & 0xffff) as usize;
-            let table = &plan.tables.symbols[symbol];
+            let Some(table) = plan.tables.symbols.get(symbol) else {
+                let what =
+                    format!("module {} of the word has no symbol: the device is not right", modules.len());
+                return Err(Error::Value(what).into());
+            };
+            let at = modules.len();
+            let (parent, lateral) = match layout.link.map(|word| record[word]) {
+                None => (at.checked_sub(1), false),
+                Some(link) => (Some((link & NONE) as usize).filter(|&p| p < at), link & LATERAL != 0),
+            };
             let params = table.fields.iter().zip(&table.words);
-            curve::Module {
+            modules.push(curve::Module {
                 symbol,
                 params: params.map(|(f, &at)| Value::from_words(&f.ty, &record[at..])).collect(),
-                path: if !layout.has_paths() { 0 } else { u64::from(record[1]) << 32 | u64::from(record[2]) },
-            }
-        }));
+                path: if layout.has_paths() { u64::from(record[1]) << 32 | u64::from(record[2]) } else { 0 },
+                parent,
+                lateral,
+            });
+        }
     }
     let Kind::Curve(topology) = plan.system.kind else {
         return Err(Error::Axiom(format!("{} is no curve system", plan.system.name)).into());

@@ -294,6 +294,7 @@ pub(super) fn of_rule(rule: &Rule, visit: &mut dyn FnMut(&Expr)) {
         match &alternative.successor {
             Successor::Erase => {}
             Successor::Relabel(m) => m.args.iter().for_each(&mut *visit),
+            Successor::Word(word) => word.modules.iter().flat_map(|m| &m.args).for_each(&mut *visit),
             Successor::Modules(list) => list.iter().flat_map(|m| &m.args).for_each(&mut *visit),
             Successor::Split(block) => of_cells(&block.cells, visit),
         }

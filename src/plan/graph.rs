@@ -4,11 +4,13 @@
 //! of operations, vectors are their components, and sums of products are spelled out from left to
 //! right. So there is one place where a vector operation gets its order, and equal nodes are one.
 
+use super::context::{Near, Place, Search};
 use super::measure::Row;
 use super::placement;
-use super::tables::{Environment, Near};
+use super::tables::Environment;
 use crate::language::expr::{Expr, ExprKind, Type, Value};
 use crate::language::ops::{self, Op};
+use crate::language::system::Hang;
 use std::collections::HashMap;
 
 /// Index of a node.
@@ -46,6 +48,29 @@ pub enum Node {
     NearSymbol(i32),
     /// Modules from this one to the end of the word.
     Behind,
+    /// Of linked words: the module itself.
+    Index,
+    /// The one so many behind it, if no other stands between on their axis, else nowhere.
+    Beside(u32),
+    /// The module that contexts see before another, or nowhere.
+    Up(NodeId),
+    /// The one that goes on.
+    Down(NodeId),
+    /// What the first step of a search finds; the nodes behind it are what the others do.
+    Search(usize),
+    Found {
+        search: NodeId,
+        step: usize,
+    },
+    /// A word of the record there; 0 of nowhere.
+    At(Scalar, NodeId, usize),
+    /// The symbol there; of nowhere [`END`](super::layout::END).
+    SymbolAt(NodeId),
+    /// What a child hangs on: a child of the same module, or what the module comes to hang on.
+    Link {
+        cell: Option<u32>,
+        lateral: bool,
+    },
     /// A word of the environment.
     Uniform(Scalar, usize),
     /// A word of the module's row of measured attributes.
@@ -83,9 +108,12 @@ pub struct Graph {
 
 /// Where the things that an expression names stand.
 pub struct Names<'a> {
-    /// For each field of the predecessor, then for those of context modules: places to the right, and the word of the
-    /// record where it begins.
-    pub fields: Vec<(i32, usize)>,
+    /// For each field of the predecessor, then for those of modules around it: the place, and the word of the record
+    /// where it begins.
+    pub fields: Vec<(Place, usize)>,
+    /// Places are found along links.
+    pub linked: bool,
+    pub searches: &'a [Search],
     /// The words of the record that say which module it is, for random numbers.
     pub path: Vec<usize>,
     /// Where the environment holds uniforms and what the host gives.
@@ -189,9 +217,13 @@ impl Graph {
             Node::Measured(ty, _) | Node::Given(ty, _) => ty,
             Node::Element { ty, .. } => ty,
             Node::Held(_) => Scalar::Float,
+            Node::At(ty, ..) => ty,
             Node::NearSymbol(_) | Node::Behind | Node::Level | Node::Step | Node::RunStep | Node::Seed => {
                 Scalar::Int
             }
+            Node::Index | Node::Beside(_) | Node::Up(_) | Node::Down(_) => Scalar::Int,
+            Node::SymbolAt(_) | Node::Link { .. } => Scalar::Int,
+            Node::Search(_) | Node::Found { .. } => Scalar::Int,
             Node::Call(op, _) => Scalar::of(&op.row().result),
         }
     }
@@ -201,6 +233,8 @@ impl Graph {
         match self.nodes[id] {
             Node::Call(op, args) => args[..op.row().args.len()].to_vec(),
             Node::Element { index, .. } | Node::Given(_, index) => vec![index],
+            Node::Up(n) | Node::Down(n) | Node::At(_, n, _) | Node::SymbolAt(n) => vec![n],
+            Node::Found { search, .. } => vec![search],
             _ => Vec::new(),
         }
     }
@@ -214,12 +248,16 @@ impl Graph {
                 value.words().into_iter().map(|w| self.push(Node::Literal(ty, w))).collect()
             }
             ExprKind::Binder(n) => {
-                let (offset, at) = names.fields[*n];
-                let node = |w| match offset {
-                    0 => Node::Field(ty, w),
-                    _ => Node::Near(ty, offset, w),
-                };
-                (at..at + words).map(|w| self.push(node(w))).collect()
+                let (place, at) = names.fields[*n];
+                if place == Place::Strict(0) {
+                    return (at..at + words).map(|w| self.push(Node::Field(ty, w))).collect();
+                }
+                if !names.linked {
+                    let offset = place.offset();
+                    return (at..at + words).map(|w| self.push(Node::Near(ty, offset, w))).collect();
+                }
+                let there = self.place(place, names.searches);
+                (at..at + words).map(|w| self.push(Node::At(ty, there, w))).collect()
             }
             ExprKind::Uniform(n) => {
                 let at = names.environment.uniforms[*n];
@@ -349,9 +387,41 @@ impl Graph {
         self.call(name, &types, args)
     }
 
+    /// Where a place of a linked word is.
+    fn place(&mut self, place: Place, searches: &[Search]) -> NodeId {
+        let node = match place {
+            Place::Strict(0) | Place::Before(0) => Node::Index,
+            Place::Strict(n) => Node::Beside(n),
+            Place::Before(n) => Node::Up(self.place(Place::Before(n - 1), searches)),
+            Place::Behind { last, steps: 0 } => return self.place(Place::Strict(last), searches),
+            Place::Behind { last, steps } => {
+                Node::Down(self.place(Place::Behind { last, steps: steps - 1 }, searches))
+            }
+            Place::Found { search, step } => {
+                // All at once: a backend fills these nodes in one go.
+                let first = self.push(Node::Search(search));
+                let steps = 1..searches[search].steps.len();
+                steps.for_each(|step| _ = self.push(Node::Found { search: first, step }));
+                return first + step;
+            }
+        };
+        self.push(node)
+    }
+
+    /// What a child hangs on.
+    pub fn link(&mut self, hang: &Hang) -> NodeId {
+        self.push(Node::Link { cell: hang.on.map(|cell| cell as u32), lateral: hang.lateral })
+    }
+
     /// Whether the symbol that a context asks for stands in its place.
-    pub fn near(&mut self, near: &Near) -> NodeId {
-        let found = self.push(Node::NearSymbol(near.offset));
+    pub fn near(&mut self, near: &Near, names: &Names) -> NodeId {
+        let found = match names.linked {
+            true => {
+                let there = self.place(near.place, names.searches);
+                self.push(Node::SymbolAt(there))
+            }
+            false => self.push(Node::NearSymbol(near.place.offset())),
+        };
         let wanted = self.int(near.symbol);
         self.ints("==", &[found, wanted])
     }

@@ -5,12 +5,14 @@
 pub mod bound;
 pub mod code;
 pub mod compare;
+pub mod context;
 pub mod derive;
 pub mod edges;
 pub mod given;
 pub mod graph;
 pub mod holes;
 pub mod layout;
+pub mod links;
 pub mod measure;
 pub mod placement;
 pub mod schedule;
@@ -21,7 +23,7 @@ pub mod tables;
 pub mod turns;
 
 use crate::language::expr::Value;
-use crate::language::system::{Kind, System, UniformKind};
+use crate::language::system::{Kind, System, Topology, UniformKind};
 use crate::language::{Type, eval};
 use crate::{curve, patch};
 use std::sync::Arc;
@@ -57,6 +59,11 @@ pub enum Error {
          the memory budget is {budget} bytes: derive fewer steps or raise it"
     )]
     Memory { needed: u64, modules: u64, step: u32, budget: u64 },
+    /// A word with branches, or with symbols that contexts ignore, is one buffer.
+    #[error(
+        "the word would hold {modules} modules after step {step}; with branches or `ignore` it is one buffer, which holds {most}: derive fewer steps"
+    )]
+    TooLong { modules: u64, most: u64, step: u32 },
     #[error(
         "a net was halved more than {} times along one direction, more than an address can hold (step {step})",
         layout::MAX_HALVINGS
@@ -192,8 +199,11 @@ impl Plan {
             return Err(Error::Axiom(format!("the axiom of {} has no module", self.system.name)));
         }
         let mut records = Vec::with_capacity(axiom.len() * layout.record_words);
+        // What the next part hangs on.
+        let mut axis = layout::NONE;
         for part in &axiom.parts {
             let n = part.modules.len();
+            let first = (records.len() / layout.record_words) as u32;
             let shift = match &part.shift {
                 None => 0,
                 Some(e) => match eval::eval(e, uniforms).map_err(|e| Error::Value(format!("shift: {e}")))? {
@@ -201,11 +211,17 @@ impl Plan {
                     _ => 0,
                 },
             };
-            for root in part.modules.iter().cycle().skip(shift).take(n) {
+            for (at, root) in part.modules.iter().cycle().skip(shift).take(n).enumerate() {
                 let mut record = vec![0u32; layout.record_words];
                 record[0] = root.symbol as u32;
                 if layout.has_paths() {
                     record[2] = (records.len() / layout.record_words) as u32;
+                }
+                if let Some(word) = layout.link {
+                    // Only rings are shifted: each of their modules hangs on the one before.
+                    let on = if shift > 0 { at.checked_sub(1) } else { root.hang.on };
+                    let lateral = if root.hang.lateral { layout::LATERAL } else { 0 };
+                    record[word] = on.map_or(axis, |on| first + on as u32) | lateral;
                 }
                 let symbol = &self.tables.symbols[root.symbol];
                 for (arg, &at) in root.args.iter().zip(&symbol.words) {
@@ -216,6 +232,10 @@ impl Plan {
                 }
                 records.extend(record);
             }
+            axis = part.exit.map_or(axis, |exit| first + exit as u32);
+        }
+        if let (Some(word), Kind::Curve(Topology::Ring)) = (layout.link, self.system.kind) {
+            records[word] = axis;
         }
         Ok(records)
     }

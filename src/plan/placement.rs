@@ -83,6 +83,8 @@ impl Placement {
         let mut graph = Graph::default();
         let mut names = Names {
             fields: Vec::new(),
+            linked: false,
+            searches: &[],
             // Of the record of a vertex.
             path: vec![1, 2, 3],
             environment: &environment,

@@ -6,6 +6,7 @@
 //!
 //! ```text
 //! measure         attributes of nets, where rules read any      nets → attributes
+//! link            of linked words what contexts see            records → links
 //! match_modules   which rule fires on each module               records → rules
 //! claim           what rules of several predecessors take         rules → rules
 //! count           how many modules come of it                   rules → counts
@@ -48,6 +49,8 @@ pub enum Column {
     FinishedRecords,
     /// Nets of the retired modules.
     FinishedNets,
+    /// Of linked words: four sections, each with a word for every module ([`super::links`]).
+    Links,
     /// Flags of the chunk: see [`Status`].
     Status,
     /// Uniforms of the system, what the host gives ([`super::given`]), constants, then the rule table
@@ -70,7 +73,10 @@ use Column::*;
 /// The attributes of nets.
 pub const MEASURE: Pass =
     Pass { name: "measure", reads: &[Extent, Environment, Records, Nets], writes: &[Attributes] };
-/// Which rule fires on each module.
+/// What contexts see around the modules of a linked word; and, when it is known what they become, what their children
+/// hang on.
+pub const LINK: Pass = Pass { name: "link", reads: &[Extent, Environment, Records, Rules], writes: &[Links] };
+/// Which rule fires on each module. Of a linked word it also reads its links, and so does `emit_word`.
 pub const MATCH: Pass = Pass {
     name: "match_modules",
     reads: &[Extent, Environment, Records, Attributes],
@@ -104,7 +110,7 @@ pub const RETIRE: Pass = Pass {
 };
 
 /// All passes, in the order in which they run; of a curve `emit_word` takes the place of `emit`.
-pub const PASSES: [Pass; 9] = [MEASURE, MATCH, CLAIM, COUNT, SCAN, EMIT, EMIT_WORD, COMPACT, RETIRE];
+pub const PASSES: [Pass; 10] = [MEASURE, LINK, MATCH, CLAIM, COUNT, SCAN, EMIT, EMIT_WORD, COMPACT, RETIRE];
 
 /// What the rules may know of the time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]

@@ -4,8 +4,7 @@
 use crate::language::Span;
 use crate::language::expr::{Expr, ExprKind};
 
-use crate::language::syntax::Item;
-use crate::language::system::{Kind, Rule, Step, StepKind, Successor, System, Topology};
+use crate::language::system::{Kind, Rule, Step, StepKind, Successor, System};
 
 /// A construct that this version checks but does not derive.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -26,15 +25,8 @@ impl Unsupported {
 pub fn system(system: &System) -> Result<(), Unsupported> {
     let span = system.source.kind_span;
     match system.kind {
-        Kind::Curve(Topology::Tree) => return Err(Unsupported::new("words with branches", span)),
         Kind::Mesh => return Err(Unsupported::new("mesh systems", span)),
-        Kind::Curve(_) => {
-            let ignore = |item: &Item| matches!(item, Item::Ignore(..));
-            if system.source.items.iter().any(ignore) {
-                return Err(Unsupported::new("`ignore`", span));
-            }
-        }
-        Kind::Patch { .. } => {}
+        Kind::Curve(_) | Kind::Patch { .. } => {}
     }
     let kind = if matches!(system.kind, Kind::Curve(_)) { "curve" } else { "patch" };
     steps(&system.run, kind)
@@ -76,14 +68,15 @@ pub fn rule(rule: &Rule, kind: Kind) -> Result<(), Unsupported> {
         _ => return Err(Unsupported::new("several strict predecessors in patch systems", rule.span)),
     }
     for alternative in &rule.alternatives {
-        if let Successor::Modules(list) = &alternative.successor {
-            if !curve {
+        match &alternative.successor {
+            Successor::Modules(_) => {
                 return Err(Unsupported::new("brackets in patch systems", alternative.span));
             }
-            if list.len() > MOST_CELLS {
+            Successor::Word(word) if word.modules.len() > MOST_CELLS => {
                 let what = format!("a successor of more than {MOST_CELLS} modules");
                 return Err(Unsupported::new(what, alternative.span));
             }
+            _ => {}
         }
         alternative.weight.iter().try_for_each(expr)?;
         modules(&alternative.successor, &mut |m| m.args.iter().try_for_each(expr))?;
@@ -111,6 +104,7 @@ fn modules(
         Successor::Erase => Ok(()),
         Successor::Relabel(m) => visit(m),
         Successor::Split(b) => block(b, visit),
+        Successor::Word(word) => word.modules.iter().try_for_each(visit),
         Successor::Modules(list) => list.iter().try_for_each(visit),
     }
 }

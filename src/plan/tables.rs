@@ -6,13 +6,15 @@
 //! serves blocks of any depth, and a nested block halves outermost first.
 
 use super::code::StageCode;
+use super::context::{self, Near, Place, Search};
 use super::given::Places;
-use super::layout::{CurveHeader, END, Layout};
+use super::layout::{CurveHeader, Layout};
+use super::links::{Linked, Links};
 use super::measure::Row;
 use super::supported::{self, Unsupported};
 use crate::language::Span;
 use crate::language::expr::{Expr, ExprKind, Type};
-use crate::language::system::{self, BinderPlace, Field, Kind, Rule, System, Topology};
+use crate::language::system::{self, BinderPlace, Field, Hang, Kind, Rule, System, Topology};
 use std::ops::Range;
 
 /// A symbol of the tables: those of the system first, then the hidden ones of nested blocks.
@@ -41,15 +43,8 @@ pub struct Successor {
     pub symbol: usize,
     /// One for each field; binders read the predecessor's fields.
     pub args: Vec<Expr>,
-}
-
-/// A module that a context asks for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Near {
-    /// Places to the right of the predecessor; to the left below 0.
-    pub offset: i32,
-    /// The symbol that must stand there, or [`END`](super::layout::END).
-    pub symbol: u32,
+    /// Of curves: what it hangs on, and its slot.
+    pub hang: Hang,
 }
 
 /// When one of its productions is drawn.
@@ -60,9 +55,9 @@ pub struct MatchRule {
     pub others: Vec<usize>,
     /// What stands around it. Nothing is asked for where it is sure.
     pub context: Vec<Near>,
-    /// Fields of context modules that its expressions read, (offset, word of the record): the binders behind those of
-    /// the predecessor's own fields.
-    pub reads: Vec<(i32, usize)>,
+    /// Fields of modules around it that its expressions read, (place, word of the record): the binders behind those
+    /// of the predecessor's own fields.
+    pub reads: Vec<(Place, usize)>,
     /// Values that the expressions below and the productions' arguments may read, in order.
     pub lets: Vec<Expr>,
     /// All must hold.
@@ -88,6 +83,10 @@ pub struct Production {
     pub halves: u32,
     /// Of patches four, by 2·(half of u) + (half of v); what is `None` is erased. Of curves the modules in order.
     pub cells: Vec<Option<Successor>>,
+    /// Of curves: the cell that what hung on the predecessor hangs on; none where nothing of it is left on the axis.
+    pub exit: Option<usize>,
+    /// Of curves: one module is written, which keeps the path.
+    pub relabels: bool,
     pub span: Span,
 }
 
@@ -99,20 +98,27 @@ impl Production {
     /// Keeps the net and the symbol: then unchanged parameters mean that nothing fired.
     pub fn relabels_itself(&self) -> bool {
         let one = self.halves == 0 && self.count() == 1 && self.length == 1;
-        one && self.cells[0].as_ref().is_some_and(|c| c.symbol == self.predecessor)
+        let branch = |cell: &Successor| cell.hang.lateral;
+        one && !self.cells.iter().flatten().any(branch)
+            && self.cells[0].as_ref().is_some_and(|c| c.symbol == self.predecessor)
     }
     /// Its word in the environment buffer: bits 0–1 `halves`, 4–7 the live cells of a patch, 8–15 their number,
-    /// 16–18 how many modules it claims behind its predecessor.
+    /// 16–18 how many modules it claims behind its predecessor, 24–31 its exit or [`NO_EXIT`].
     pub fn word(&self) -> u32 {
         let live = self.cells.iter().take(4).enumerate().filter(|(_, cell)| cell.is_some());
         let live = live.fold(0, |m, (c, _)| m | 1 << c);
-        self.halves | live << 4 | self.count() << 8 | (self.length - 1) << 16
+        let exit = self.exit.map_or(NO_EXIT, |cell| cell as u32);
+        self.halves | live << 4 | self.count() << 8 | (self.length - 1) << 16 | exit << 24
     }
 }
 
+/// Where a rule's word says that nothing is left on the axis.
+pub const NO_EXIT: u32 = 255;
+
 /// A word of the rule table.
 pub fn rule_word(halves: u32, live: u32) -> u32 {
-    halves | live << 4 | live.count_ones() << 8
+    let exit = if live == 0 { NO_EXIT } else { 0 };
+    halves | live << 4 | live.count_ones() << 8 | exit << 24
 }
 
 /// The rules that run in one sweep of the passes.
@@ -160,7 +166,7 @@ impl Stage {
     }
 
     /// What depends on the symbols of all rule sets.
-    fn complete(&mut self, symbols: &[Symbol], places: &Environment, layout: &Layout) {
+    fn complete(&mut self, symbols: &[Symbol], searches: &[Search], places: &Environment, layout: &Layout) {
         self.by_symbol = vec![Vec::new(); symbols.len()];
         for (id, rule) in self.rules.iter().enumerate() {
             self.by_symbol[rule.predecessor].push(id);
@@ -172,9 +178,10 @@ impl Stage {
                 self.first && !self.curve && !ids.iter().any(|id| self.changes_by_itself(&self.rules[*id]))
             })
             .collect();
-        self.closed = closed_growth(self, symbols);
+        // Links are made of what the scan says.
+        self.closed = if layout.link.is_some() { None } else { closed_growth(self, symbols) };
         self.row = Row::of_stage(self);
-        self.code = StageCode::new(self, symbols, places, layout);
+        self.code = StageCode::new(self, symbols, searches, places, layout);
     }
 
     /// Whether the rule may fire later on a module on which it does not fire now.
@@ -231,6 +238,15 @@ impl Stage {
     pub fn claims(&self) -> bool {
         self.rules.iter().any(|rule| !rule.others.is_empty())
     }
+    /// Some production leaves nothing on the axis, so that what hung on its predecessor hangs on what that hung on.
+    pub fn unhangs(&self) -> bool {
+        self.claims() || self.productions.iter().any(|p| p.exit.is_none())
+    }
+    /// Some rule looks into branches.
+    pub fn sees_branches(&self) -> bool {
+        let in_branch = |near: &Near| matches!(near.place, Place::Found { .. });
+        self.rules.iter().any(|rule| rule.context.iter().any(in_branch))
+    }
     /// Some module may be retired.
     pub fn may_retire(&self) -> bool {
         self.closed.is_none() && self.retires.iter().any(|&r| r)
@@ -259,6 +275,10 @@ pub struct Tables {
     /// Where the environment holds what the host gives.
     pub given: Places,
     pub rule_sets: Vec<RuleSet>,
+    /// Right contexts with branches.
+    pub searches: Vec<Search>,
+    /// For each symbol whether contexts look past it.
+    pub ignored: Vec<bool>,
 }
 
 /// Where the words of the environment stand that are the same for all stages.
@@ -278,11 +298,14 @@ impl Tables {
         let layout = match system.kind {
             Kind::Patch { degree, .. } => Layout::new(0, degree),
             _ => {
-                let has = CurveHeader { paths: draws(system), ..CurveHeader::default() };
+                let tree = system.kind == Kind::Curve(Topology::Tree);
+                let links = tree || !system.ignored.is_empty();
+                let has = CurveHeader { paths: draws(system), links, words: false };
                 Layout::of_curve(param_words.max().unwrap_or(0), has)
             }
         };
-        let mut builder = Builder { system, layout, symbols: Vec::new(), pending: Vec::new() };
+        let mut builder =
+            Builder { system, layout, symbols: Vec::new(), pending: Vec::new(), searches: Vec::new() };
         for s in &system.symbols {
             builder.add_symbol(s.name.clone(), s.fields.clone(), false);
         }
@@ -290,7 +313,7 @@ impl Tables {
         for groups in derived_groups(&system.run) {
             rule_sets.push(builder.rule_set(groups)?);
         }
-        let symbols = builder.symbols;
+        let Builder { symbols, searches, .. } = builder;
         if symbols.len() > MOST_SYMBOLS {
             let what = format!("more than {MOST_SYMBOLS} symbols, those inside nested blocks among them");
             return Err(Unsupported::new(what, system.source.kind_span));
@@ -298,19 +321,26 @@ impl Tables {
         let param_words = symbols.iter().map(words_of).max().unwrap_or(0);
         let places = environment(system);
         for stage in rule_sets.iter_mut().flat_map(|set| &mut set.stages) {
-            stage.complete(&symbols, &places, &layout);
+            stage.complete(&symbols, &searches, &places, &layout);
         }
         // What nested blocks carry along takes room, too.
         let layout = match system.kind {
             Kind::Patch { degree, .. } => Layout::new(param_words, degree),
             _ => layout,
         };
-        Ok(Tables { layout, symbols, given: places.given, rule_sets })
+        let ignored = (0..symbols.len()).map(|symbol| system.ignored.contains(&symbol)).collect();
+        Ok(Tables { layout, symbols, given: places.given, rule_sets, searches, ignored })
     }
 
     /// The most words of attributes that a stage measures of a module.
     pub fn most_measured(&self) -> usize {
         self.rule_sets.iter().flat_map(|s| &s.stages).map(|s| s.row.words).max().unwrap_or(0)
+    }
+
+    /// A word as its links are walked, if it has any.
+    pub fn linked<'a>(&'a self, records: &'a [u32], links: &'a Links) -> Option<Linked<'a>> {
+        let Tables { layout, ignored, searches, .. } = self;
+        layout.link.map(|_| Linked { records, layout: *layout, links, ignored, searches })
     }
 
     /// The rule set of these groups.
@@ -398,6 +428,7 @@ struct Builder<'a> {
     layout: Layout,
     symbols: Vec<Symbol>,
     pending: Vec<Pending>,
+    searches: Vec<Search>,
 }
 
 impl Builder<'_> {
@@ -434,27 +465,51 @@ impl Builder<'_> {
 
     fn rule(&mut self, rule: &Rule) -> Result<(MatchRule, Vec<Production>), Unsupported> {
         let predecessor = rule.strict[0];
-        let (context, reads, places) = self.context(rule);
+        let around = context::surroundings(rule, self.system, &self.symbols, &mut self.searches);
+        let own = self.symbols[predecessor].fields.len();
+        let places: Vec<Option<usize>> =
+            around.binders.iter().map(|read| read.map(|read| own + read)).collect();
         let resolve = |e: &Expr| by_field(e, rule, self.system, &places);
 
         let mut productions = Vec::new();
         for alternative in &rule.alternatives {
+            let (mut exit, mut relabels) = (None, false);
             let (halves, cells) = match &alternative.successor {
                 system::Successor::Erase => (0, vec![None; 4]),
                 system::Successor::Relabel(m) => (0, vec![Some(successor(m, &resolve)), None, None, None]),
                 system::Successor::Split(b) => self.block(predecessor, b, &resolve),
-                system::Successor::Modules(list) => {
-                    (0, list.iter().map(|m| Some(successor(m, &resolve))).collect())
+                system::Successor::Word(word) => {
+                    exit = word.exit();
+                    relabels = matches!(word.hangs[..], [Hang { lateral: false, .. }]) && word.slots == 1;
+                    let modules = word.modules.iter().zip(&word.hangs);
+                    (
+                        0,
+                        modules
+                            .map(|(m, &hang)| Some(Successor { hang, ..successor(m, &resolve) }))
+                            .collect(),
+                    )
                 }
+                // Only meshes, which are refused, and branching surfaces have these.
+                system::Successor::Modules(_) => (0, Vec::new()),
             };
             let length = rule.strict.len() as u32;
-            productions.push(Production { rule: 0, predecessor, length, halves, cells, span: rule.span });
+            let span = rule.span;
+            productions.push(Production {
+                rule: 0,
+                predecessor,
+                length,
+                halves,
+                cells,
+                exit,
+                relabels,
+                span,
+            });
         }
         let matching = MatchRule {
             predecessor,
             others: rule.strict[1..].to_vec(),
-            context,
-            reads,
+            context: around.context,
+            reads: around.reads,
             lets: rule.lets.iter().map(|l| resolve(&l.value)).collect(),
             guards: rule.tests.iter().chain(&rule.condition).map(resolve).collect(),
             weights: rule.alternatives.iter().filter_map(|a| a.weight.as_ref()).map(resolve).collect(),
@@ -463,53 +518,6 @@ impl Builder<'_> {
             span: rule.span,
         };
         Ok((matching, productions))
-    }
-
-    /// What a rule's contexts ask for, the fields of theirs that are bound, and for each of its binders which of
-    /// these it is.
-    fn context(&self, rule: &Rule) -> (Vec<Near>, Vec<(i32, usize)>, Vec<Option<usize>>) {
-        let left = |module: usize| {
-            let depth = rule.left.as_ref().map_or(0, |c| c.symbols.len());
-            module as i32 - depth as i32
-        };
-        let right = |module: usize| rule.strict.len() as i32 + module as i32;
-        let mut context = Vec::new();
-        context.extend(
-            rule.strict[1..].iter().zip(1..).map(|(&symbol, offset)| Near { offset, symbol: symbol as u32 }),
-        );
-        if let Some(c) = &rule.left {
-            let near = |(n, &symbol): (usize, &usize)| Near { offset: left(n), symbol: symbol as u32 };
-            context.extend(c.symbols.iter().enumerate().map(near));
-            context.extend(c.end.then(|| Near { offset: left(0) - 1, symbol: END }));
-        }
-        if let Some(c) = &rule.right {
-            let near = |(n, &symbol): (usize, &usize)| Near { offset: right(n), symbol: symbol as u32 };
-            context.extend(c.symbols.iter().enumerate().map(near));
-            context.extend(c.end.then(|| Near { offset: right(c.symbols.len()), symbol: END }));
-        }
-        // In a ring of one symbol every module has that one around it.
-        if self.system.kind == Kind::Curve(Topology::Ring) && self.symbols.len() == 1 {
-            context.retain(|near| near.symbol == END);
-        }
-        let mut reads = Vec::new();
-        let own = self.symbols[rule.strict[0]].fields.len();
-        let mut place = |offset: i32, symbol: usize, field: usize| {
-            reads.push((offset, self.symbols[symbol].words[field]));
-            Some(own + reads.len() - 1)
-        };
-        let symbol_of = |c: &Option<system::Context>, module: usize| c.as_ref().map(|c| c.symbols[module]);
-        let places = rule.binders.iter().map(|binder| match binder.place {
-            BinderPlace::Left { module, field } => place(left(module), symbol_of(&rule.left, module)?, field),
-            BinderPlace::Strict { module: module @ 1.., field } => {
-                place(module as i32, *rule.strict.get(module)?, field)
-            }
-            BinderPlace::Right { module, field } => {
-                place(right(module), symbol_of(&rule.right, module)?, field)
-            }
-            _ => None,
-        });
-        let places = places.collect();
-        (context, reads, places)
     }
 
     /// The cells of a block. A block inside it becomes a pending module with the predecessor's
@@ -538,7 +546,7 @@ impl Builder<'_> {
                     let name = format!("{}'{}", self.symbols[predecessor].name, self.symbols.len());
                     let symbol = self.add_symbol(name, fields, true);
                     self.pending.push(Pending { symbol, block: inner });
-                    Some(Successor { symbol, args })
+                    Some(Successor { symbol, args, hang: Hang::default() })
                 }
             };
         }
@@ -561,7 +569,17 @@ impl Builder<'_> {
             site: 0,
             span,
         };
-        (rule, vec![Production { rule: 0, predecessor: symbol, length: 1, halves, cells, span }])
+        let production = Production {
+            rule: 0,
+            predecessor: symbol,
+            length: 1,
+            halves,
+            cells,
+            exit: None,
+            relabels: false,
+            span,
+        };
+        (rule, vec![production])
     }
 }
 
@@ -600,7 +618,8 @@ pub(super) fn fnv(bytes: &[u8]) -> u32 {
 }
 
 fn successor(module: &system::Module, resolve: &dyn Fn(&Expr) -> Expr) -> Successor {
-    Successor { symbol: module.symbol, args: module.args.iter().map(resolve).collect() }
+    let args = module.args.iter().map(resolve).collect();
+    Successor { symbol: module.symbol, args, hang: Hang::default() }
 }
 
 /// In the tables, binder n is field n of the predecessor.

@@ -14,3 +14,11 @@ fn uniform_word(at: u32) -> u32 {
   let quad = environment[at >> 2u];
   return quad[at & 3u];
 }
+
+// Where a rule's word says that nothing is left on the axis: plan/tables.rs.
+const NO_EXIT = 255u;
+
+// The child that what hung on the predecessor hangs on.
+fn exit_of(rule: u32) -> u32 {
+  return rule_word(rule) >> 24u;
+}

@@ -203,6 +203,9 @@ impl Surface<'_> {
             measured: &[],
             measured_words: 0,
             clock: Clock { step: 0, run_step: 0, seed: 0 },
+            linked: None,
+            offsets: &[],
+            hangs: &[],
         };
         work.offsets.clear();
         for block in 0..input.len().div_ceil(super::super::BLOCK) {

@@ -54,11 +54,9 @@ impl<'a> Checker<'a> {
                 None => {
                     let mut scope = Scope::new(Where::Axiom);
                     let mut modules = Vec::new();
+                    // What is not whole was reported, so the system is not run.
                     self.word(&mut scope, word, &mut modules);
-                    if word.iter().any(|e| matches!(e, Element::Branch(..))) {
-                        return Axiom::Other;
-                    }
-                    modules.into_iter().map(|m| Some(CurveStart::Module(m))).collect()
+                    vec![Some(CurveStart::Word(super::branches::curve_word(word, modules)))]
                 }
             },
             AxiomKind::Source(source) => {

@@ -4,7 +4,7 @@ use super::scope::Scope;
 use super::{Checker, code};
 use crate::language::diagnostic::Diagnostic;
 use crate::language::syntax::{self, ContextPart, Pattern, PatternTag, Span};
-use crate::language::system::{BinderPlace, Context, Kind, SymbolId, Topology};
+use crate::language::system::{self, BinderPlace, Context, Kind, SymbolId, Topology};
 
 /// The most modules of a context, one behind the other.
 const MAX_CONTEXT: usize = 8;
@@ -40,7 +40,7 @@ impl<'a> Checker<'a> {
             .map(|(module, p)| self.pattern(scope, p, |field| BinderPlace::Left { module, field }, None))
             .collect();
         let symbols = symbols.into_iter().collect::<Option<_>>()?;
-        Some(Context { symbols, end: context.end, span: context.span })
+        Some(Context { symbols, parts: Vec::new(), end: context.end, span: context.span })
     }
 
     pub(super) fn right_context(
@@ -49,38 +49,49 @@ impl<'a> Checker<'a> {
         context: &'a syntax::RightContext,
     ) -> Option<Context> {
         let mut symbols = Vec::new();
-        let depth = self.right_parts(scope, context, &mut symbols);
+        let (depth, parts) = self.right_parts(scope, context, &mut symbols);
         self.context_depth(depth, context.span);
         let symbols = symbols.into_iter().collect::<Option<_>>()?;
-        Some(Context { symbols, end: context.end, span: context.span })
+        Some(Context { symbols, parts, end: context.end, span: context.span })
     }
 
-    /// Enters the modules of a right context as written; returns its depth.
+    /// Enters the modules of a right context as written; returns its depth and its form.
     fn right_parts(
         &mut self,
         scope: &mut Scope<'a>,
         context: &'a syntax::RightContext,
         symbols: &mut Vec<Option<SymbolId>>,
-    ) -> usize {
+    ) -> (usize, Vec<system::ContextPart>) {
         self.end_in_ring(context.end, context.span);
         let (mut depth, mut deepest) = (0, 0);
+        let mut form = Vec::new();
         for part in &context.parts {
             match part {
                 ContextPart::Pattern(pattern) => {
                     let module = symbols.len();
                     let place = |field| BinderPlace::Right { module, field };
                     symbols.push(self.pattern(scope, pattern, place, None));
+                    form.push(system::ContextPart::Module(module));
                     depth += 1;
                 }
                 ContextPart::Branch(branch) => {
                     if matches!(self.kind, Kind::Curve(Topology::Ring | Topology::Open)) {
                         self.no_branches(branch.span);
                     }
-                    deepest = deepest.max(depth + self.right_parts(scope, branch, symbols));
+                    let (inside, mut parts) = self.right_parts(scope, branch, symbols);
+                    deepest = deepest.max(depth + inside);
+                    // A branch that begins with branches is so many more.
+                    let is_branch =
+                        |part: &system::ContextPart| matches!(part, system::ContextPart::Branch(..));
+                    let rest = parts.split_off(parts.iter().take_while(|part| is_branch(part)).count());
+                    form.extend(parts);
+                    if !rest.is_empty() {
+                        form.push(system::ContextPart::Branch(rest, branch.end));
+                    }
                 }
             }
         }
-        depth.max(deepest)
+        (depth.max(deepest), form)
     }
 
     fn context_depth(&mut self, depth: usize, span: Span) {

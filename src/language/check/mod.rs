@@ -5,6 +5,7 @@
 
 mod affine;
 mod axiom;
+mod branches;
 mod calls;
 pub mod code;
 mod constants;
@@ -251,6 +252,11 @@ impl<'a> Checker<'a> {
         placements: Vec<Placement>,
         run: Vec<Step>,
     ) -> System {
+        let ignored = self.system.items.iter().flat_map(|item| match item {
+            syntax::Item::Ignore(names) => &names[..],
+            _ => &[],
+        });
+        let ignored = ignored.filter_map(|name| self.symbol_ids.get(name.text.as_str()).copied()).collect();
         System {
             name: self.system.name.text.clone(),
             kind: self.kind,
@@ -260,6 +266,7 @@ impl<'a> Checker<'a> {
             axiom,
             groups,
             placements,
+            ignored,
             run,
             source: Arc::new(self.system.clone()),
         }

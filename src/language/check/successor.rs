@@ -22,7 +22,7 @@ impl<'a> Checker<'a> {
             (syntax::Successor::Word(word), Kind::Curve(_)) => {
                 let mut modules = Vec::new();
                 let whole = self.word(scope, word, &mut modules);
-                whole.then_some(Successor::Modules(modules))
+                whole.then(|| Successor::Word(super::branches::curve_word(word, modules)))
             }
             (syntax::Successor::Word(word), Kind::Mesh) => {
                 self.mesh_word(scope, predecessor, word, alternative.span)
