@@ -65,8 +65,11 @@ impl Engine {
         let points: Vec<[f32; 4]> =
             job.points.iter().map(|p| std::array::from_fn(|n| coordinate(p, n))).collect();
         let axiom = Axiom::load::<String>(system, &mut |_| Ok(vec![points.clone()])).expect("an axiom");
-        let set: Vec<_> = job.set.iter().map(|(name, p)| (name.clone(), value(p))).collect();
-        let uniforms = plan.uniforms(&set).expect("params");
+        // What stands above the system and is not used by it is no param of its own.
+        let known = |name: &String| system.uniforms.iter().any(|u| u.name == *name);
+        let set = job.set.iter().filter(|(name, _)| known(name));
+        let set: Vec<_> = set.map(|(name, p)| (name.clone(), value(p))).collect();
+        let uniforms = plan.uniforms(&set).unwrap_or_else(|e| panic!("{e}\n{}", job.text));
         let seed = job.seed.unwrap_or_else(|| plan.seed(&set));
         let steps = job.steps.map(|n| n as u32);
         Engine { plan, axiom, uniforms, options: Options { set, seed, steps, ..Options::default() } }

@@ -142,7 +142,7 @@ const TREE: &str = "\
 system tree : curve tree
 module A(k: int), B(k: int), E
 ignore + - E
-axiom: A(0) [ + B(1) E B(2) ] E [ - A(3) [ B(4) ] ] E A(5) E A(6)
+axiom: [ - B(2) A(1) ] A(0) [ + B(1) E B(2) ] E [ - A(3) [ B(4) ] ] E A(5) E A(6)
 rules:
   A(k) > [ B(j) ] [ A(i) ] : (k + i) % 2 == 1 -> A(k + 1) [ + B(i) E ] A(j)
   A(k) < B(j) > # : rand() < 0.75 -> E [ B(k) A(j) ] [ B(k + 1) ]
@@ -205,7 +205,8 @@ const MUTANTS: &[(&str, &str, &str)] = &[
     ("emit_word", "i * CLOSED", "i"),
     ("emit_word", "first = offsets[i]", "first = i"),
     ("emit_word", "& 255u", "& 1u"),
-    ("emit_word", "link & LATERAL", "0u"),
+    ("emit_word", "NONE | (link & LATERAL)", "NONE"),
+    ("emit_word", "exit_of(rules[on])) | (link & LATERAL)", "exit_of(rules[on]))"),
     ("emit_word", "offsets[on] + exit_of(rules[on])", "offsets[on]"),
     ("link", "select(SETTLED, 0u, ignored(symbol_at(i)))", "SETTLED"),
     ("link", "up = seen(before)", "up = before | SETTLED"),
@@ -217,7 +218,6 @@ const MUTANTS: &[(&str, &str, &str)] = &[
     ("link", "jump_in(HANGS, i)", ""),
     ("link", "further | (link & LATERAL)", "further"),
     ("link", "exit_of(rules[before]) != NO_EXIT", "true"),
-    ("branches", "i + n >= extent.count || ", ""),
     ("branches", "link_at(i + n) != i + n - 1u", "false"),
     ("branches", "return true;", "return false;"),
     ("branches", "i = end_of(after)", "i = after + 1u"),

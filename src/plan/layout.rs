@@ -36,8 +36,9 @@ pub const MAX_HALVINGS: u8 = 31;
 /// Words of the record of a patch module before its parameters.
 pub const HEADER_WORDS: usize = 6;
 
-/// Modules that a chunk of a curve's word holds beside its own on either side: as many as a context is deep.
-pub const HALO: usize = 8;
+/// Modules that a chunk of a curve's word holds beside its own on either side: from the first of 8 predecessors the
+/// context behind the last is 8 deep, and asks for the end behind that.
+pub const HALO: usize = 16;
 
 /// The symbol that stands beyond the ends of an open word.
 pub const END: u32 = 0xffff;

@@ -34,7 +34,7 @@ fn end_of(i: u32) -> u32 {
 // The module so many places behind, if each hangs on the one before and begins no branch.
 fn beside(i: u32, places: u32) -> u32 {
   for (var n = 1u; n <= places; n++) {
-    if i + n >= extent.count || link_at(i + n) != i + n - 1u {
+    if link_at(i + n) != i + n - 1u {
       return NOWHERE;
     }
   }
