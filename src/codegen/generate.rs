@@ -6,6 +6,7 @@ use crate::plan::graph::{Graph, Node, NodeId, Scalar};
 use crate::plan::layout::Layout;
 use crate::plan::placement::Placement;
 use crate::plan::tables::{MatchRule, Production, Stage};
+use crate::plan::turtle::Turtle;
 use std::collections::HashMap;
 
 /// Lines of WGSL, each with the rule it says.
@@ -45,6 +46,26 @@ pub fn record(layout: &Layout, writes: bool) -> Text {
             text.line(format!("  next_records[b + {q}u] = r.q{q};"));
         }
         text.line("}");
+    }
+    text
+}
+
+/// `command_of(symbol)`, `argument_of(m)` and `link_of(m)`: what the turtle reads of a module.
+pub fn commands(turtle: &Turtle, layout: &Layout) -> Text {
+    let mut text = Text::default();
+    text.line("fn command_of(symbol: u32) -> u32 {");
+    text.line("  switch symbol {");
+    for (symbol, command) in turtle.commands.iter().enumerate() {
+        if let Some(command) = command {
+            text.line(format!("    case {symbol}u: {{ return {}u; }}", command.code()));
+        }
+    }
+    text.line("    default: { return 0u; }");
+    text.line("  }");
+    text.line("}");
+    text.line(format!("fn argument_of(m: Record) -> u32 {{ return {}; }}", lane(turtle.argument)));
+    if let Some(link) = layout.link {
+        text.line(format!("fn link_of(m: Record) -> u32 {{ return {}; }}", lane(link)));
     }
     text
 }
@@ -266,6 +287,7 @@ impl<'a> Values<'a> {
             Node::Uniform(ty, at) => from_word(ty, &format!("uniform_word({at}u)")),
             Node::Measured(ty, at) => from_word(ty, &format!("measured_word(m, {at}u)")),
             Node::Given(ty, index) => from_word(ty, &format!("given_word({})", self.texts[index])),
+            Node::Number(slot) => format!("bitcast<i32>(extent.wanted + offsets[m.index] + {slot}u)"),
             Node::Step => "i32(extent.step)".to_string(),
             Node::RunStep => "bitcast<i32>(extent.run_step)".to_string(),
             Node::Seed => "bitcast<i32>(extent.seed)".to_string(),

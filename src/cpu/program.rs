@@ -26,6 +26,9 @@ pub struct Input<'a> {
     /// The measured attributes, so many words a module.
     pub measured: &'a [u32],
     pub measured_words: usize,
+    /// Where the first child of each module goes, once that is known; and how many stand before all of them.
+    pub offsets: &'a [u32],
+    pub made: u32,
     pub clock: Clock,
 }
 
@@ -41,7 +44,9 @@ impl<'a> Input<'a> {
         let measured = &self.measured[row(modules.start)..row(modules.end)];
         let records = &self.records[modules.start * words..modules.end * words];
         let behind = self.behind.saturating_sub(modules.start);
-        Input { records, first: self.first + modules.start, behind, measured, ..*self }
+        let offset = |module: usize| module.min(self.offsets.len());
+        let offsets = &self.offsets[offset(modules.start)..offset(modules.end)];
+        Input { records, first: self.first + modules.start, behind, measured, offsets, ..*self }
     }
     /// Modules.
     pub fn len(&self) -> usize {
@@ -98,6 +103,10 @@ pub fn run(graph: &Graph, block: &Input, registers: &mut Registers) {
             Node::Behind => {
                 let left = (0..=block.behind).rev().chain(std::iter::repeat(0));
                 out.iter_mut().zip(left).for_each(|(o, left)| *o = left as u32);
+            }
+            Node::Number(slot) => {
+                let number = |offset: &u32| block.made.wrapping_add(offset + slot);
+                out.iter_mut().zip(block.offsets).for_each(|(o, offset)| *o = number(offset));
             }
             Node::NearSymbol(offset) => {
                 let column = block.window.iter().skip(block.place(offset) * words).step_by(words);

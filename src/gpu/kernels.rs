@@ -97,6 +97,19 @@ impl Kernel {
         })
     }
 
+    /// Records one dispatch of a kernel that has several entries.
+    pub fn record_entry(
+        &self,
+        pass: &mut wgpu::ComputePass,
+        group: &wgpu::BindGroup,
+        entry: usize,
+        [x, y]: [u32; 2],
+    ) {
+        pass.set_bind_group(0, group, &[0]);
+        pass.set_pipeline(&self.pipelines[entry]);
+        pass.dispatch_workgroups(x, y, 1);
+    }
+
     /// Records the dispatches of a pass, with these numbers of workgroups and the slot that is bound.
     pub fn record(&self, pass: &mut wgpu::ComputePass, group: &wgpu::BindGroup, groups: &[[u32; 2]]) {
         pass.set_bind_group(0, group, &[0]);
@@ -157,6 +170,7 @@ pub fn scan_groups(count: u64, tile: u32) -> [[u32; 2]; 3] {
 /// The kernels of a stage, and its environment.
 pub struct StageKernels {
     pub measure: Option<Kernel>,
+    pub turtle: Option<Kernel>,
     pub match_modules: Kernel,
     pub claim: Option<Kernel>,
     pub count: Kernel,
@@ -181,8 +195,16 @@ impl StageKernels {
         engine.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(environment));
         let claim = |s: &Shader| Kernel::of_pass(engine, s, &step::CLAIM, &["reduce", "spine", "claim"]);
         let measure = |s: &Shader| Kernel::of_pass(engine, s, &step::MEASURE, &["measure"]);
+        let turtle = |s: &Shader| match plan.tables.layout.link {
+            None => Kernel::of_pass(engine, s, &step::TURTLE, &["reduce", "spine", "turtle"]),
+            Some(_) => {
+                let entries = ["begin", "away", "back", "turtle_linked"];
+                Kernel::of_pass(engine, s, &step::TURTLE_LINKED, &entries)
+            }
+        };
         Ok(StageKernels {
             measure: shaders.measure.as_ref().map(measure),
+            turtle: shaders.turtle.as_ref().map(turtle),
             claim: shaders.claim.as_ref().map(claim),
             match_modules: Kernel::of_pass(engine, &shaders.match_modules, &step::MATCH, &["match_modules"]),
             count: Kernel::of_pass(engine, &shaders.count, &step::COUNT, &["count"]),

@@ -320,7 +320,11 @@ pub enum StepKind {
     },
     /// Index into [`System::placements`]. In patch systems the last step.
     Place(usize),
-    /// `subdivide`, `mark`, `crease`, `deposit`, `trace`: the word that names it; the rest is in the
+    /// The turtle writes modules of this symbol.
+    Trace {
+        into: SymbolId,
+    },
+    /// `subdivide`, `mark`, `crease`, `deposit`: the word that names it; the rest is in the
     /// syntax tree.
     Other(&'static str),
 }

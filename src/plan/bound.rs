@@ -104,6 +104,8 @@ pub fn evaluate(graph: &Graph, module: &Module) -> Vec<Known> {
                 let last = module.given.len().saturating_sub(1);
                 indexed(ty, known[index], |i| word(module.given, (i as usize).min(last)))
             }
+            // Prefix sums that the two agree on.
+            Node::Number(_) => Known::Exact(u32::MAX),
             Node::Level => {
                 let head = word(module.record, 0);
                 Known::Exact((head >> 16 & 0xff).max(head >> 24))

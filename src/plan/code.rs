@@ -68,7 +68,7 @@ impl StageCode {
                     args.push(Vec::new());
                     continue;
                 };
-                let mut words = lower.path(production, slot as u32, layout);
+                let mut words = lower.path(stage, production, slot as u32, layout);
                 words.extend(lower.args(&cell.args, &symbols[cell.symbol]));
                 args.push(words);
             }
@@ -126,11 +126,18 @@ impl<'a> Lower<'a> {
     }
 
     /// The words of a child's path, where curves have one: a module that replaces its predecessor keeps it.
-    fn path(&mut self, production: &Production, slot: u32, layout: &Layout) -> Vec<(NodeId, usize)> {
+    fn path(
+        &mut self,
+        stage: &Stage,
+        production: &Production,
+        slot: u32,
+        layout: &Layout,
+    ) -> Vec<(NodeId, usize)> {
         if !layout.has_paths() {
             return Vec::new();
         }
         let path = match production.count() {
+            _ if stage.roots => self.graph.root_path(slot),
             1 => self.graph.path(),
             _ => self.graph.child_path(slot),
         };

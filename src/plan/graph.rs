@@ -56,6 +56,8 @@ pub enum Node {
     Held(u32),
     /// The greater of the halvings along u and v.
     Level,
+    /// The number in the new word of the child in this slot; only children may ask.
+    Number(u32),
     /// Steps done in this derive.
     Step,
     /// Steps done in the whole run.
@@ -189,9 +191,8 @@ impl Graph {
             Node::Measured(ty, _) | Node::Given(ty, _) => ty,
             Node::Element { ty, .. } => ty,
             Node::Held(_) => Scalar::Float,
-            Node::NearSymbol(_) | Node::Behind | Node::Level | Node::Step | Node::RunStep | Node::Seed => {
-                Scalar::Int
-            }
+            Node::NearSymbol(_) | Node::Behind | Node::Number(_) | Node::Level => Scalar::Int,
+            Node::Step | Node::RunStep | Node::Seed => Scalar::Int,
             Node::Call(op, _) => Scalar::of(&op.row().result),
         }
     }
@@ -374,6 +375,11 @@ impl Graph {
         let slot = self.int(slot);
         let high = self.ints("hash #", &[high, slot]);
         [high, self.ints("hash #", &[low, high])]
+    }
+
+    /// That of a child in this slot which is a root: what stands for it is its number in the word.
+    pub fn root_path(&mut self, slot: u32) -> [NodeId; 2] {
+        [self.int(0), self.push(Node::Number(slot))]
     }
 
     /// The hash behind one random number: of the seed, for a module the step of the whole run, what names

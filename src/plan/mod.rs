@@ -19,6 +19,7 @@ pub mod step;
 pub mod supported;
 pub mod tables;
 pub mod turns;
+pub mod turtle;
 
 use crate::language::expr::Value;
 use crate::language::system::{Kind, System, UniformKind};

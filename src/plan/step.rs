@@ -6,6 +6,8 @@
 //!
 //! ```text
 //! measure         attributes of nets, where rules read any      nets → attributes
+//! turtle          of curves: where the turtle stands        records → attributes
+//! turtle_linked   the same of words with links
 //! match_modules   which rule fires on each module               records → rules
 //! claim           what rules of several predecessors take         rules → rules
 //! count           how many modules come of it                   rules → counts
@@ -42,6 +44,12 @@ pub enum Column {
     NextNets,
     /// Prefix sums of the tiles of a scan, and the total behind the last.
     Sums,
+    /// Rigid motions of tiles, or of modules: [`super::turtle`].
+    Motions,
+    /// The motion that goes from one chunk to the next.
+    Carried,
+    /// What each module hangs on, for the motions of words with links.
+    Links,
     /// Indices of the retired modules in ascending order.
     Retired,
     /// Records of the retired modules.
@@ -70,6 +78,12 @@ use Column::*;
 /// The attributes of nets.
 pub const MEASURE: Pass =
     Pass { name: "measure", reads: &[Extent, Environment, Records, Nets], writes: &[Attributes] };
+/// Where the turtle stands at each module, where a word is traced: a scan, as [`SCAN`].
+pub const TURTLE: Pass =
+    Pass { name: "turtle", reads: &[Extent, Records], writes: &[Attributes, Motions, Carried] };
+/// The same where modules have links.
+pub const TURTLE_LINKED: Pass =
+    Pass { name: "turtle_linked", reads: &[Extent, Records], writes: &[Attributes, Motions, Links] };
 /// Which rule fires on each module.
 pub const MATCH: Pass = Pass {
     name: "match_modules",
@@ -104,7 +118,8 @@ pub const RETIRE: Pass = Pass {
 };
 
 /// All passes, in the order in which they run; of a curve `emit_word` takes the place of `emit`.
-pub const PASSES: [Pass; 9] = [MEASURE, MATCH, CLAIM, COUNT, SCAN, EMIT, EMIT_WORD, COMPACT, RETIRE];
+pub const PASSES: [Pass; 11] =
+    [MEASURE, TURTLE, TURTLE_LINKED, MATCH, CLAIM, COUNT, SCAN, EMIT, EMIT_WORD, COMPACT, RETIRE];
 
 /// What the rules may know of the time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -126,7 +141,8 @@ pub struct Extent {
     pub count: u32,
     /// Modules that fit in the buffers that the pass writes; nothing is written past them.
     pub capacity: u32,
-    /// The rule id that `compact` looks for; of a curve, modules from the chunk's first to the end of the word.
+    /// The rule id that `compact` looks for; of a curve, modules from the chunk's first to the end of the word, and for
+    /// `emit_word` modules of the new word before it.
     pub wanted: u32,
     pub clock: Clock,
     /// Words that the host gives: where the measured attributes begin.

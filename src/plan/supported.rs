@@ -37,15 +37,20 @@ pub fn system(system: &System) -> Result<(), Unsupported> {
         Kind::Patch { .. } => {}
     }
     let kind = if matches!(system.kind, Kind::Curve(_)) { "curve" } else { "patch" };
-    steps(&system.run, kind)
+    steps(system, &system.run, kind)
 }
 
-fn steps(run: &[Step], kind: &str) -> Result<(), Unsupported> {
+fn steps(system: &System, run: &[Step], kind: &str) -> Result<(), Unsupported> {
     for step in run {
         match &step.kind {
             // That a placement stands last the checker has seen to.
             StepKind::Derive { .. } | StepKind::Place(_) => {}
-            StepKind::Repeat { body, .. } | StepKind::If { body, .. } => steps(body, kind)?,
+            // Behind it the word is several curves.
+            StepKind::Trace { .. } if system.symbols.iter().any(|s| s.name == "f") => {
+                return Err(Unsupported::new("`f` in a word that is traced", step.span));
+            }
+            StepKind::Trace { .. } => {}
+            StepKind::Repeat { body, .. } | StepKind::If { body, .. } => steps(system, body, kind)?,
             StepKind::Other(name) => {
                 return Err(Unsupported::new(format!("`{name}` in a {kind} system"), step.span));
             }

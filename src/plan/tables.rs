@@ -10,6 +10,7 @@ use super::given::Places;
 use super::layout::{CurveHeader, END, Layout};
 use super::measure::Row;
 use super::supported::{self, Unsupported};
+use super::turtle::{self, Turtle};
 use crate::language::Span;
 use crate::language::expr::{Expr, ExprKind, Type};
 use crate::language::system::{self, BinderPlace, Field, Kind, Rule, System, Topology};
@@ -129,6 +130,8 @@ pub struct Stage {
     pub closed: Option<u32>,
     /// Holds the rules as written, not what nested blocks left.
     pub first: bool,
+    /// What it writes are roots: the points of a turtle.
+    pub roots: bool,
     /// Modules have neighbours, so none is ever retired.
     pub curve: bool,
     /// The attributes of nets that its rules read.
@@ -147,6 +150,7 @@ impl Stage {
             retires: Vec::new(),
             closed: None,
             first,
+            roots: false,
             curve,
             row: Row::default(),
             code: StageCode::default(),
@@ -243,11 +247,19 @@ fn changes_with_step(e: &Expr) -> bool {
     found
 }
 
-/// The rules of one `derive … with …`.
+/// Where the rules of a step come from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum RulesOf {
+    /// `derive … with …`: indices of the groups, by priority.
+    Groups(Vec<usize>),
+    /// `trace into …`, this symbol: [`super::turtle::rules`].
+    Trace(usize),
+}
+
+/// The rules of one kind of step.
 #[derive(Clone, Debug)]
 pub struct RuleSet {
-    /// Indices of the groups, by priority.
-    pub groups: Vec<usize>,
+    pub of: RulesOf,
     pub stages: Vec<Stage>,
 }
 
@@ -259,6 +271,7 @@ pub struct Tables {
     /// Where the environment holds what the host gives.
     pub given: Places,
     pub rule_sets: Vec<RuleSet>,
+    pub turtle: Turtle,
 }
 
 /// Where the words of the environment stand that are the same for all stages.
@@ -287,8 +300,8 @@ impl Tables {
             builder.add_symbol(s.name.clone(), s.fields.clone(), false);
         }
         let mut rule_sets = Vec::new();
-        for groups in derived_groups(&system.run) {
-            rule_sets.push(builder.rule_set(groups)?);
+        for of in rules_of(&system.run) {
+            rule_sets.push(builder.rule_set(of)?);
         }
         let symbols = builder.symbols;
         if symbols.len() > MOST_SYMBOLS {
@@ -305,7 +318,8 @@ impl Tables {
             Kind::Patch { degree, .. } => Layout::new(param_words, degree),
             _ => layout,
         };
-        Ok(Tables { layout, symbols, given: places.given, rule_sets })
+        let turtle = Turtle::new(system, &symbols);
+        Ok(Tables { layout, symbols, given: places.given, rule_sets, turtle })
     }
 
     /// The most words of attributes that a stage measures of a module.
@@ -313,9 +327,9 @@ impl Tables {
         self.rule_sets.iter().flat_map(|s| &s.stages).map(|s| s.row.words).max().unwrap_or(0)
     }
 
-    /// The rule set of these groups.
-    pub fn rule_set(&self, groups: &[usize]) -> Option<usize> {
-        self.rule_sets.iter().position(|s| s.groups == groups)
+    /// The rule set of these rules.
+    pub fn rule_set(&self, of: &RulesOf) -> Option<usize> {
+        self.rule_sets.iter().position(|s| s.of == *of)
     }
 }
 
@@ -338,18 +352,21 @@ fn words_of(symbol: &Symbol) -> usize {
     symbol.fields.iter().map(|f| f.ty.words()).sum()
 }
 
-/// The distinct lists of groups that the schedule derives with.
-fn derived_groups(steps: &[system::Step]) -> Vec<Vec<usize>> {
-    fn collect(steps: &[system::Step], found: &mut Vec<Vec<usize>>) {
+/// The distinct rules that the schedule derives with.
+fn rules_of(steps: &[system::Step]) -> Vec<RulesOf> {
+    fn collect(steps: &[system::Step], found: &mut Vec<RulesOf>) {
         for step in steps {
-            match &step.kind {
-                system::StepKind::Derive { groups, .. } if !found.contains(groups) => {
-                    found.push(groups.clone())
-                }
+            let of = match &step.kind {
+                system::StepKind::Derive { groups, .. } => RulesOf::Groups(groups.clone()),
+                system::StepKind::Trace { into } => RulesOf::Trace(*into),
                 system::StepKind::Repeat { body, .. } | system::StepKind::If { body, .. } => {
-                    collect(body, found)
+                    collect(body, found);
+                    continue;
                 }
-                _ => {}
+                _ => continue,
+            };
+            if !found.contains(&of) {
+                found.push(of);
             }
         }
     }
@@ -414,9 +431,17 @@ impl Builder<'_> {
         self.symbols.len() - 1
     }
 
-    fn rule_set(&mut self, groups: Vec<usize>) -> Result<RuleSet, Unsupported> {
+    fn rule_set(&mut self, of: RulesOf) -> Result<RuleSet, Unsupported> {
+        let groups = match &of {
+            RulesOf::Groups(groups) => groups,
+            RulesOf::Trace(into) => {
+                let rules = turtle::rules(self.system, &self.symbols, *into);
+                let stage = Stage { roots: true, ..Stage::new(rules, true, true) };
+                return Ok(RuleSet { of, stages: vec![stage] });
+            }
+        };
         let mut rules = Vec::new();
-        for &g in &groups {
+        for &g in groups {
             for rule in &self.system.groups[g].rules {
                 supported::rule(rule, self.system.kind)?;
                 rules.push(self.rule(rule)?);
@@ -429,7 +454,7 @@ impl Builder<'_> {
             let rules = waiting.into_iter().map(|p| self.split_pending(p)).collect();
             stages.push(Stage::new(rules, false, curve));
         }
-        Ok(RuleSet { groups, stages })
+        Ok(RuleSet { of, stages })
     }
 
     fn rule(&mut self, rule: &Rule) -> Result<(MatchRule, Vec<Production>), Unsupported> {

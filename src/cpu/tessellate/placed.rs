@@ -195,6 +195,8 @@ impl Surface<'_> {
                 word: None,
                 degree: self.patches.degree,
             },
+            offsets: &[],
+            made: 0,
             window: &[],
             first: 0,
             behind: 0,
