@@ -35,3 +35,4 @@ mod runs;
 mod scan;
 mod shaders;
 mod tessellate;
+mod turtle;

@@ -2,7 +2,7 @@
 // round, what stands there is composed before it and its link followed, so that what is composed doubles. Rounds go from
 // one half of the columns to the other and back.
 //
-// A round reads 72 bytes a module and writes 36, for 75 flops; log₂ n of them are done. Records are read once, and a row of 16
+// A round reads 104 bytes a module and writes 52, for 75 flops; log₂ n of them are done. Records are read once, and a row of 16
 // bytes written.
 
 import extent;

@@ -1,7 +1,7 @@
 //! Rigid motions, operation by operation as in `wgsl/shared/motion.wgsl`.
 
 use crate::language::elementary::{cos, sin};
-use crate::plan::turtle::{Command, ROW_WORDS, Turtle, UNSET};
+use crate::plan::turtle::{Command, INHERITED, ROW_WORDS, Turtle, UNSET};
 
 /// How the turtle's place and axes change, and the width that it draws with.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,10 +11,12 @@ pub struct Motion {
     pub shift: [f32; 3],
     /// The bits of the width, or [`UNSET`].
     pub width: u32,
+    /// The same of its last move; [`INHERITED`] where it was made before a width was set, [`UNSET`] where there is none.
+    pub drawn: u32,
 }
 
 /// Changes nothing.
-pub const STILL: Motion = Motion { turn: [0.0, 0.0, 0.0, 1.0], shift: [0.0; 3], width: UNSET };
+pub const STILL: Motion = Motion { turn: [0.0, 0.0, 0.0, 1.0], shift: [0.0; 3], width: UNSET, drawn: UNSET };
 
 impl Default for Motion {
     fn default() -> Motion {
@@ -32,7 +34,8 @@ impl Motion {
             Some(Command::Move) => {
                 let (heading, length) = (heading(self.turn), argument());
                 let shift = std::array::from_fn(|k| self.shift[k] + heading[k] * length);
-                Motion { shift, ..*self }
+                let drawn = if self.width == UNSET { INHERITED } else { self.width };
+                Motion { shift, drawn, ..*self }
             }
             Some(Command::Turn { axis, backwards }) => {
                 let half = half_turn(if backwards { -argument() } else { argument() });
@@ -50,12 +53,18 @@ impl Motion {
             turn: product(self.turn, next.turn),
             shift: std::array::from_fn(|k| self.shift[k] + moved[k]),
             width: if next.width == UNSET { self.width } else { next.width },
+            drawn: match next.drawn {
+                UNSET => self.drawn,
+                INHERITED if self.width == UNSET => INHERITED,
+                INHERITED => self.width,
+                drawn => drawn,
+            },
         }
     }
 
     /// The row of a module at which the turtle stands so.
     pub fn write(&self, row: &mut [u32]) {
-        let width = if self.width == UNSET { 1f32.to_bits() } else { self.width };
+        let width = if self.drawn >= INHERITED { 1f32.to_bits() } else { self.drawn };
         let [x, y, z] = self.shift.map(f32::to_bits);
         row[..ROW_WORDS].copy_from_slice(&[x, y, z, width]);
     }

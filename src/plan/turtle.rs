@@ -6,7 +6,7 @@
 //! counting, scanning and writing are those of every step.
 //!
 //! What the rules read is measured by the pass `turtle`: a row of four words a module, where it stands and how wide it
-//! draws. Every module is a rigid motion ([`Command`]), and the turtle's state behind it is the composition of all up to
+//! drew on its way there. Every module is a rigid motion ([`Command`]), and the turtle's state behind it is the composition of all up to
 //! it, a scan. In a word with links ([`super::layout`]) it is the state of the module that it hangs on, and its own
 //! motion.
 //!
@@ -25,14 +25,18 @@ use crate::language::system::{Kind, System, Topology};
 /// Words a module: x, y, z, width.
 pub const ROW_WORDS: usize = 4;
 
-/// Words of a motion in memory: the quaternion x, y, z, w; the shift x, y, z; the width.
-pub const MOTION_WORDS: usize = 8;
+/// Words of a motion in memory: the quaternion x, y, z, w; the shift x, y, z; the width; the width of its last move; and three
+/// that are not used.
+pub const MOTION_WORDS: usize = 12;
 
-/// In place of a width: the motion sets none. No width that a number says has these bits.
+/// In place of a width: the motion sets none, or does not move. No width that a number says has these bits.
 pub const UNSET: u32 = u32::MAX;
 
+/// In place of the width of the last move: the one that was set before the motion.
+pub const INHERITED: u32 = u32::MAX - 1;
+
 /// The motion that changes nothing.
-pub const STILL: [u32; MOTION_WORDS] = [0, 0, 0, 1f32.to_bits(), 0, 0, 0, UNSET];
+pub const STILL: [u32; MOTION_WORDS] = [0, 0, 0, 1f32.to_bits(), 0, 0, 0, UNSET, UNSET, 0, 0, 0];
 
 /// The attributes by which the rules name the row; no file can.
 const POSITION: &str = "position #";

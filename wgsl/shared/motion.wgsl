@@ -11,12 +11,15 @@ struct Motion {
   shift: vec3f,
   // The bits of the width, or UNSET.
   width: u32,
+  // The same of its last move: INHERITED where it was made before a width was set, UNSET where there is none.
+  drawn: u32,
 }
 
 const UNSET = 0xffffffffu;
+const INHERITED = 0xfffffffeu;
 
 fn still() -> Motion {
-  return Motion(vec4f(0.0, 0.0, 0.0, 1.0), vec3f(0.0), UNSET);
+  return Motion(vec4f(0.0, 0.0, 0.0, 1.0), vec3f(0.0), UNSET, UNSET);
 }
 
 fn square(q: vec4f) -> f32 {
@@ -62,10 +65,17 @@ fn heading(q: vec4f) -> vec3f {
 
 // The first, then the next in the axes as they then are.
 fn composed(first: Motion, next: Motion) -> Motion {
+  var drawn = next.drawn;
+  if drawn == UNSET {
+    drawn = first.drawn;
+  } else if drawn == INHERITED && first.width != UNSET {
+    drawn = first.width;
+  }
   return Motion(
     product(first.turn, next.turn),
     first.shift + turned(first.turn, next.shift),
     select(next.width, first.width, next.width == UNSET),
+    drawn,
   );
 }
 
@@ -89,6 +99,7 @@ fn then_module(motion: Motion, m: Record) -> Motion {
   var next = motion;
   if command == 1u {
     next.shift += heading(motion.turn) * bitcast<f32>(argument);
+    next.drawn = select(motion.width, INHERITED, motion.width == UNSET);
   } else if command == 2u {
     next.width = argument;
   } else if command >= 4u {
@@ -112,5 +123,5 @@ fn write_row(i: u32, motion: Motion) {
   attributes[row] = bitcast<u32>(motion.shift.x);
   attributes[row + 1u] = bitcast<u32>(motion.shift.y);
   attributes[row + 2u] = bitcast<u32>(motion.shift.z);
-  attributes[row + 3u] = select(motion.width, 0x3f800000u, motion.width == UNSET);
+  attributes[row + 3u] = select(motion.drawn, 0x3f800000u, motion.drawn >= INHERITED);
 }
