@@ -68,7 +68,7 @@ const MATCHING: &[Mutant] = &[
     ("extent", "id.y * groups.x", "id.y * groups.y", Wide),
     ("extent", "id.x + id.y", "id.x - id.y", Wide),
     (GENERATED, "rule * CELLS + c", "rule * CELLS + (c ^ 1u)", Every),
-    (GENERATED, "default: { r = m; }", "default: { }", Every),
+    (GENERATED, "{ return m; }", "{ return r; }", Every),
     (GENERATED, " && ", " || ", Every),
     (GENERATED, "return select(", "return max(3u, 1u) + 0u * select(", Every),
 ];

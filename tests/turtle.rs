@@ -10,6 +10,7 @@ use burgeon::curve::{Axiom, Word};
 use burgeon::language::System;
 use burgeon::language::expr::Value;
 use burgeon::plan::derive::{Backend, Options, collect_curve, derive};
+use burgeon::plan::layout::HALO;
 use burgeon::plan::{Plan, Unsupported};
 use std::fmt::Debug;
 
@@ -217,8 +218,7 @@ fn devices_trace_as_the_oracle() {
     }
 }
 
-/// Random systems of the oracle's that trace. Behind the trace a condition may lie within rounding of its threshold,
-/// so there only the word that was traced is compared.
+/// Random systems of the oracle's that trace.
 #[test]
 fn random_systems_trace_as_the_oracle() {
     let mut traces = 0;
@@ -228,6 +228,13 @@ fn random_systems_trace_as_the_oracle() {
             continue;
         }
         let Ok(run) = Run::new(&case.job) else { continue };
+        // Random numbers are the business of the rules before and behind, and so are contexts deeper than a halo.
+        let stages = run.plan.tables.rule_sets.iter().flat_map(|set| &set.stages);
+        let near = stages.flat_map(|s| &s.rules).flat_map(|rule| &rule.context);
+        let deep = near.map(|near| near.offset.unsigned_abs() as usize).max().unwrap_or(0);
+        if run.plan.tables.layout.has_paths() || deep > HALO {
+            continue;
+        }
         let wanted = case.job.derive();
         let chunk = [None, Some(1), Some(7), Some(64)][number as usize % 4];
         for (step, oracle) in wanted.iter().enumerate() {
@@ -312,7 +319,8 @@ fn difference(engine: &Engine) -> Option<String> {
     let widths = traced("open", "P(v: vec3, r: float)", "F")
         .replace("run:\n", "rules:\n  F(s) -> !(s) F(s/2) +(20) X &(35) F(s) /(15) F(s)\nrun:\n  derive 5\n");
     let angles = small();
-    let first = [long.as_str(), widths.as_str()].into_iter().chain(angles.iter().map(String::as_str));
+    let first =
+        [HILBERT3, long.as_str(), widths.as_str()].into_iter().chain(angles.iter().map(String::as_str));
     for text in first {
         let run = run(text);
         let uniforms = run.uniforms();

@@ -146,24 +146,44 @@ fn try_rule(text: &mut Text, rule: &MatchRule, code: &RuleCode, idle: u32) {
     }
 }
 
+/// Cases of one switch: drivers that make it a chain of branches lose those behind some eighty (Mesa's llvmpipe).
+const MOST_CASES: usize = 64;
+
 /// `successor(rule, c, m)`: symbol and parameters of cell c; the module itself where it is kept.
 pub fn successors(stage: &Stage) -> Text {
     let mut text = Text::default();
     text.line("fn successor(rule: u32, c: u32, m: Record) -> Record {");
     text.line("  var r = Record();");
     let cells = cells(stage);
-    text.line("  switch rule * CELLS + c {");
-    for (id, p) in stage.productions.iter().enumerate() {
-        for (c, cell) in p.cells.iter().enumerate() {
-            if let Some(successor) = cell {
-                text.of_rule(format!("    case {}u: {{", id * cells + c), p.span);
-                child(&mut text, p, &stage.code.children[id], c, successor.symbol);
-                text.line("    }");
+    text.line(format!("  if rule >= {}u {{ return m; }}", stage.keep()));
+    let all: usize = stage.productions.iter().map(|p| p.cells.len()).sum();
+    let case = |text: &mut Text, (id, p): (usize, &Production), c: usize, label: usize| {
+        if let Some(successor) = &p.cells[c] {
+            text.of_rule(format!("    case {label}u: {{"), p.span);
+            child(text, p, &stage.code.children[id], c, successor.symbol);
+            text.line("    }");
+        }
+    };
+    if all <= MOST_CASES {
+        text.line("  switch rule * CELLS + c {");
+        for (id, p) in stage.productions.iter().enumerate() {
+            (0..p.cells.len()).for_each(|c| case(&mut text, (id, p), c, id * cells + c));
+        }
+        text.line("    default: {}");
+        text.line("  }");
+    } else {
+        for (id, p) in stage.productions.iter().enumerate() {
+            for first in (0..p.cells.len()).step_by(MOST_CASES / 2) {
+                let end = p.cells.len().min(first + MOST_CASES / 2);
+                text.line(format!("  if rule == {id}u && c >= {first}u && c < {end}u {{"));
+                text.line("  switch c {");
+                (first..end).for_each(|c| case(&mut text, (id, p), c, c));
+                text.line("    default: {}");
+                text.line("  }");
+                text.line("  }");
             }
         }
     }
-    text.line("    default: { r = m; }");
-    text.line("  }");
     text.line("  return r;");
     text.line("}");
     text

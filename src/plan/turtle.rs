@@ -12,9 +12,10 @@
 //!
 //! **Accuracy.** Turns are quaternions of any length, which for right angles are whole numbers: a word that turns by
 //! multiples of 90° and moves by whole numbers is traced without any rounding, the same on every machine, as long as
-//! coordinates are below 2²². Every other turn is rounded, and what it is off is carried on. Directions are off by at
-//! most some units of f32's ε a turn; where roundings do not conspire, as in random words, by as many units as the
-//! square root of their number. [`bound`] says what may be relied on.
+//! coordinates are below 2²². Every other turn is rounded, and what it is off is carried on. [`bound`] is
+//! what may be relied on, were all roundings of one sign. They are not: after n modules of Koch's curve, of a dragon whose
+//! folds are not right, of a random path in space, no coordinate is off by more than 4·ε·√n of the greatest one, which
+//! the tests measure over a million moves.
 
 use super::layout::END;
 use super::tables::{MatchRule, Near, Production, Successor, Symbol};

@@ -83,8 +83,8 @@ impl Linked {
         for (i, (row, state)) in rows.chunks_exact(ROW_WORDS).zip(&exact).enumerate() {
             let [x, y, z, width] = [0, 1, 2, 3].map(|k| f64::from(f32::from_bits(row[k])));
             let near = [x, y, z].iter().zip(state.position).all(|(a, b)| (a - b).abs() <= 2e-5 * size);
-            if !near || width != state.width {
-                let wanted = (state.position, state.width);
+            if !near || width != state.drawn {
+                let wanted = (state.position, state.drawn);
                 return Some(format!("{}, module {i}: {:?}, not {wanted:?}", self.name, (x, y, z, width)));
             }
         }
