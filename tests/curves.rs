@@ -198,7 +198,8 @@ fn every_mutant_of_the_kernels_of_curves_is_seen() {
         let mutant = engine.clone().with_edit(burgeon::codegen::Edit { file, find, replace });
         if !text.contains(find) {
             wrong.push(format!("{file} has no `{find}` any more"));
-        } else if difference(&mutant).is_none() {
+        // What it left unwritten may be a symbol that there is not.
+        } else if std::panic::catch_unwind(|| difference(&mutant)).is_ok_and(|d| d.is_none()) {
             wrong.push(format!("{file}: `{find}` → `{replace}` is not seen"));
         }
     }
