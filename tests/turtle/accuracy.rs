@@ -117,9 +117,9 @@ fn apart(moves: &[(char, f32)]) -> (f64, f64) {
     let (mut far, mut size) = (0f64, 0f64);
     for (row, &module) in rows.chunks_exact(ROW_WORDS).zip(moves) {
         state = state.then(module);
-        for k in 0..3 {
-            far = far.max((f64::from(f32::from_bits(row[k])) - state.position[k]).abs());
-            size = size.max(state.position[k].abs());
+        for (&word, exact) in row.iter().zip(state.position) {
+            far = far.max((f64::from(f32::from_bits(word)) - exact).abs());
+            size = size.max(exact.abs());
         }
     }
     assert!(f64::from(reach(&rows)) <= 1.01 * size + far);

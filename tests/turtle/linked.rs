@@ -31,7 +31,7 @@ fn words() -> Vec<Linked> {
     let mut tree = |n: u32, near: u32| -> Vec<u32> {
         let link = |i: u32| match i {
             0 => NONE,
-            _ => (i - 1 - draw() % near.min(i)) | if draw() % 2 == 0 { LATERAL } else { 0 },
+            _ => (i - 1 - draw() % near.min(i)) | if draw().is_multiple_of(2) { LATERAL } else { 0 },
         };
         (0..n).map(link).collect()
     };
