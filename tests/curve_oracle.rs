@@ -118,7 +118,7 @@ fn every_paper(derive: &dyn Fn(&Job) -> Vec<Seen>, lists: &[&[(&str, fn(&Backend
     lists.iter().copied().flatten().for_each(|(_, check)| check(&backend));
 }
 
-const ALL: &[&[(&str, fn(&Backend))]] = &[papers::LINES, papers::TREES];
+const ALL: &[&[(&str, fn(&Backend))]] = &[papers::LINES, papers::TRACED, papers::TREES];
 
 #[test]
 fn the_papers_numbers_on_the_cpu() {
@@ -134,11 +134,8 @@ fn the_papers_numbers_on_the_gpu() {
 }
 
 /// What the oracle and the engine make of a case, where the engine derives it.
-fn differs(number: u64, derive: &dyn Fn(&Engine) -> Vec<Seen>) -> Result<bool, String> {
+fn differs(number: u64, derive: &dyn Fn(&Engine) -> Vec<Seen>) -> Result<(), String> {
     let case = curve_case(number);
-    if case.job.text.contains("trace") {
-        return Ok(false);
-    }
     let (engine, words) = (Engine::new(&case.job), case.job.derive());
     let theirs = derive(&engine);
     if words.len() != theirs.len() {
@@ -148,18 +145,11 @@ fn differs(number: u64, derive: &dyn Fn(&Engine) -> Vec<Seen>) -> Result<bool, S
     for (step, (word, seen)) in words.iter().zip(&theirs).enumerate() {
         curve::compare(word, seen, tolerance).map_err(|e| format!("step {step}: {e}\n{case}"))?;
     }
-    Ok(true)
+    Ok(())
 }
 
 fn random_systems(numbers: std::ops::Range<u64>, derive: &dyn Fn(&Engine) -> Vec<Seen>) {
-    let mut derived = 0;
-    for number in numbers.clone() {
-        match differs(number, derive) {
-            Ok(done) => derived += u32::from(done),
-            Err(e) => panic!("{e}"),
-        }
-    }
-    assert!(u64::from(derived) * 2 > numbers.end - numbers.start, "only {derived} cases are derived");
+    numbers.for_each(|number| differs(number, derive).unwrap_or_else(|e| panic!("{e}")));
 }
 
 #[test]

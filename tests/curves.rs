@@ -210,13 +210,13 @@ const MUTANTS: &[(&str, &str, &str)] = &[
     ("emit_word", "offsets[on] + exit_of(rules[on])", "offsets[on]"),
     ("link", "select(SETTLED, 0u, ignored(symbol_at(i)))", "SETTLED"),
     ("link", "up = seen(before)", "up = before | SETTLED"),
-    ("link", "if (link & LATERAL) == 0u {", "if true {"),
+    ("link", "if (own & LATERAL) == 0u {", "if true {"),
     ("link", "select(0u, SETTLED, is_last)", "SETTLED"),
     ("link", "jump_in(UP, i)", ""),
     ("link", "jump_in(DOWN, i)", ""),
     ("link", "jump_in(LAST, i)", ""),
     ("link", "jump_in(HANGS, i)", ""),
-    ("link", "further | (link & LATERAL)", "further"),
+    ("link", "further | (own & LATERAL)", "further"),
     ("link", "exit_of(rules[before]) != NO_EXIT", "true"),
     ("branches", "link_at(i + n) != i + n - 1u", "false"),
     ("branches", "return true;", "return false;"),
@@ -238,6 +238,7 @@ const MUTANTS: &[(&str, &str, &str)] = &[
 fn every_mutant_of_the_kernels_of_curves_is_seen() {
     let Some(headless) = device::headless() else { return };
     let engine = burgeon::gpu::Engine::new(&headless.device, &headless.queue);
+    use std::panic::{AssertUnwindSafe, catch_unwind};
     let mut wrong = Vec::new();
     for &(file, find, replace) in MUTANTS {
         let read = |folder: &str| std::fs::read_to_string(format!("wgsl/{folder}{file}.wgsl"));
@@ -245,7 +246,8 @@ fn every_mutant_of_the_kernels_of_curves_is_seen() {
         let mutant = engine.clone().with_edit(burgeon::codegen::Edit { file, find, replace });
         if !text.contains(find) {
             wrong.push(format!("{file} has no `{find}` any more"));
-        } else if difference(&mutant).is_none() {
+        // What it left unwritten may be a symbol that there is not.
+        } else if catch_unwind(AssertUnwindSafe(|| difference(&mutant))).is_ok_and(|d| d.is_none()) {
             wrong.push(format!("{file}: `{find}` → `{replace}` is not seen"));
         }
     }

@@ -36,3 +36,4 @@ mod runs;
 mod scan;
 mod shaders;
 mod tessellate;
+mod turtle;

@@ -68,7 +68,7 @@ const MATCHING: &[Mutant] = &[
     ("extent", "id.y * groups.x", "id.y * groups.y", Wide),
     ("extent", "id.x + id.y", "id.x - id.y", Wide),
     (GENERATED, "rule * CELLS + c", "rule * CELLS + (c ^ 1u)", Every),
-    (GENERATED, "default: { r = m; }", "default: { }", Every),
+    (GENERATED, "{ return m; }", "{ return r; }", Every),
     (GENERATED, " && ", " || ", Every),
     (GENERATED, "return select(", "return max(3u, 1u) + 0u * select(", Every),
 ];
@@ -427,7 +427,8 @@ fn every_file_has_mutants() {
             let other = ["copy", "expand", "picture", "shared", "tessellate"].contains(&name.as_str());
             let count = all.iter().filter(|m| m.0 == name).count()
                 + crate::runs::mutants_of(&name)
-                + crate::curves::mutants_of(&name);
+                + crate::curves::mutants_of(&name)
+                + crate::turtle::mutants_of(&name);
             assert!(other || count >= 2, "{} has {count} mutants", path.display());
         }
     }

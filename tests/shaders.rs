@@ -77,7 +77,7 @@ fn stages(plan: &Plan) -> Vec<StageId> {
 
 fn stage_shaders(plan: &Plan, id: StageId, tuning: &Tuning) -> Vec<Shader> {
     let s = codegen::stage(plan, id, tuning).unwrap_or_else(|e| panic!("{e}"));
-    s.measure.into_iter().chain(s.claim).chain([s.match_modules, s.count, s.emit]).collect()
+    s.measure.into_iter().chain(s.turtle).chain(s.link).chain(s.claim).chain([s.match_modules, s.count, s.emit]).collect()
 }
 
 fn shared_shaders(layout: &Layout, tuning: &Tuning) -> [Shader; 3] {
@@ -101,11 +101,16 @@ fn small_curve() -> Plan {
     plans(CURVE).swap_remove(0)
 }
 
+/// Modules with links, which are traced.
+fn small_links() -> Plan {
+    crate::turtle::linked_plan()
+}
+
 /// Contexts on both sides, ends, erasure, chance, and parameters of all types.
 const CURVE: &str = "\
 system small : curve open
-module P(v: vec3, k: int), Q
-axiom: P((0, 0, 0), 1) P((1, 0, 0), 2)
+module P(v: vec3, k: int), Q, T(r: float, v: vec2)
+axiom: P((0, 0, 0), 1) P((1, 0, 0), 2) F +(30) F &(20) F !(2)
 rules:
   # < P(v, k) > P(w, 3) -> P(v, k) P((v + w) / 2, k + 1)
   P(a, _) Q < P(v, k) : rand() < 0.5 -> (1) P(a, k) Q P(v, k) -> (2) Q
@@ -113,6 +118,7 @@ rules:
   Q -> eps
 run:
   derive 3
+  trace into T
 ";
 
 /// A system with a condition, attributes, an expression in every place, and a nested block.
@@ -228,6 +234,8 @@ fn expected(column: Column) -> (&'static str, &'static str) {
         Column::NextNets => ("next_nets", "array<vec4<f32>>"),
         Column::Links => ("links", "array<u32>"),
         Column::Sums => ("sums", "array<u32>"),
+        Column::Motions => ("motions", "array<Motion>"),
+        Column::Carried => ("carried", "array<Motion>"),
         Column::Retired => ("retired", "array<u32>"),
         Column::FinishedRecords => ("finished_records", "array<vec4<u32>>"),
         Column::FinishedNets => ("finished_nets", "array<vec4<f32>>"),
@@ -244,7 +252,7 @@ fn type_name(module: &Module, ty: naga::Handle<naga::Type>) -> String {
         _ if ty.name.is_some() => ty.name.clone().unwrap_or_default(),
         TypeInner::Array { base, .. } => format!("array<{}>", type_name(module, *base)),
         TypeInner::Vector { size, scalar } => format!("vec{}<{}>", *size as u8, scalar_name(*scalar)),
-        TypeInner::Scalar(scalar) => scalar_name(*scalar),
+        TypeInner::Scalar(scalar) | TypeInner::Atomic(scalar) => scalar_name(*scalar),
         other => format!("{other:?}"),
     }
 }
@@ -273,7 +281,8 @@ fn seen(module: &Module) -> Vec<Seen> {
 }
 
 fn wanted(pass: &Pass) -> Vec<Seen> {
-    let columns = pass.reads.iter().map(|c| (*c, false)).chain(pass.writes.iter().map(|c| (*c, true)));
+    // What only linked words bind is declared for all.
+    let columns = pass.bindings(true).into_iter();
     let binding = |(n, (column, written)): (usize, (Column, bool))| {
         let space = match column {
             Column::Extent | Column::Environment => AddressSpace::Uniform,
@@ -288,7 +297,7 @@ fn wanted(pass: &Pass) -> Vec<Seen> {
 
 /// The kernels of a pass in all tunings.
 fn kernels_of(pass: &Pass) -> Vec<Shader> {
-    let plans = [small_plan(), small_curve()];
+    let plans = [small_plan(), small_curve(), small_links()];
     let all = TUNINGS.iter().flat_map(|tuning| plans.iter().flat_map(|plan| shaders(plan, tuning)));
     // All mappings of emit have the entry point `emit`.
     all.filter(|s| s.module.entry_points.iter().any(|e| e.name == pass.name)).collect()
@@ -446,7 +455,9 @@ fn every_file_is_linked_by_some_kernel_and_says_what_it_is() {
     let mut linked: Vec<String> = Vec::new();
     for tuning in &TUNINGS {
         linked.extend(shaders(&plan, tuning).into_iter().map(|s| s.source));
-        linked.extend(shaders(&small_curve(), tuning).into_iter().map(|s| s.source));
+        for plan in [small_curve(), small_links()] {
+            linked.extend(shaders(&plan, tuning).into_iter().map(|s| s.source));
+        }
         linked.extend(codegen::measures(tuning).expect("copy and expand").map(|s| s.source));
     }
     for file in files("wgsl", "wgsl").iter().chain(&files("wgsl/shared", "wgsl")) {

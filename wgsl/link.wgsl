@@ -45,17 +45,17 @@ fn start(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
 
 // Each module tells the one that it hangs on.
 @compute @workgroup_size(WORKGROUP)
-fn scatter(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+fn link(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
   let i = linear(id, groups);
   if i >= extent.count {
     return;
   }
-  let link = link_at(i);
-  let before = link & NONE;
+  let own = link_at(i);
+  let before = own & NONE;
   if before == NONE {
     return;
   }
-  if (link & LATERAL) == 0u {
+  if (own & LATERAL) == 0u {
     atomicStore(&links[place(DOWN, before)], seen(i));
   }
   if before < i {
@@ -82,12 +82,12 @@ fn settle(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) gro
 }
 
 fn jump_in(section: u32, i: u32) {
-  let link = atomicLoad(&links[place(section, i)]);
-  if (link & SETTLED) != 0u {
+  let own = atomicLoad(&links[place(section, i)]);
+  if (own & SETTLED) != 0u {
     return;
   }
-  let further = atomicLoad(&links[place(section, link & TARGET)]);
-  atomicStore(&links[place(section, i)], further | (link & LATERAL));
+  let further = atomicLoad(&links[place(section, own & TARGET)]);
+  atomicStore(&links[place(section, i)], further | (own & LATERAL));
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -106,13 +106,13 @@ fn unhang(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) gro
   if i >= extent.count {
     return;
   }
-  let link = link_at(i);
-  let before = link & NONE;
+  let own = link_at(i);
+  let before = own & NONE;
   var hangs = NOTHING;
   if before != NONE {
     hangs = before | select(0u, SETTLED, exit_of(rules[before]) != NO_EXIT);
   }
-  atomicStore(&links[place(HANGS, i)], hangs | (link & LATERAL));
+  atomicStore(&links[place(HANGS, i)], hangs | (own & LATERAL));
 }
 
 @compute @workgroup_size(WORKGROUP)

@@ -7,6 +7,7 @@ use crate::plan::graph::{Graph, Node, NodeId, Scalar};
 use crate::plan::layout::Layout;
 use crate::plan::placement::Placement;
 use crate::plan::tables::{MatchRule, Production, Stage, Tables};
+use crate::plan::turtle::Turtle;
 use std::collections::HashMap;
 
 /// Lines of WGSL, each with the rule it says.
@@ -99,6 +100,26 @@ pub fn searches(tables: &Tables) -> Text {
     text
 }
 
+/// `command_of(symbol)`, `argument_of(m)` and `link_of(m)`: what the turtle reads of a module.
+pub fn commands(turtle: &Turtle, layout: &Layout) -> Text {
+    let mut text = Text::default();
+    text.line("fn command_of(symbol: u32) -> u32 {");
+    text.line("  switch symbol {");
+    for (symbol, command) in turtle.commands.iter().enumerate() {
+        if let Some(command) = command {
+            text.line(format!("    case {symbol}u: {{ return {}u; }}", command.code()));
+        }
+    }
+    text.line("    default: { return 0u; }");
+    text.line("  }");
+    text.line("}");
+    text.line(format!("fn argument_of(m: Record) -> u32 {{ return {}; }}", lane(turtle.argument)));
+    if let Some(link) = layout.link {
+        text.line(format!("fn link_of(m: Record) -> u32 {{ return {}; }}", lane(link)));
+    }
+    text
+}
+
 fn equal(test: &Equal) -> String {
     let float = test.a.scalar() == Scalar::Float || test.b.scalar() == Scalar::Float;
     let side = |operand: Operand| {
@@ -117,6 +138,7 @@ fn equal(test: &Equal) -> String {
 fn place_text(place: Place) -> String {
     match place {
         Place::Found { step, .. } => format!("s{step}"),
+        Place::Previous => "(own - 1u)".to_string(),
         Place::Strict(n) => format!("beside(own, {n}u)"),
         Place::Before(n) => (0..n).fold("own".to_string(), |text, _| format!("up_of({text})")),
         Place::Behind { last, steps } => {
@@ -201,30 +223,48 @@ fn try_rule(text: &mut Text, rule: &MatchRule, code: &RuleCode, idle: u32) {
     }
 }
 
+/// Cases of one switch: drivers that make it a chain of branches lose those behind some eighty (Mesa's llvmpipe).
+const MOST_CASES: usize = 64;
+
 /// `successor(rule, c, m)`: symbol and parameters of cell c; the module itself where it is kept.
 pub fn successors(stage: &Stage, layout: &Layout) -> Text {
     let mut text = Text::default();
     text.line("fn successor(rule: u32, c: u32, m: Record) -> Record {");
     text.line("  var r = Record();");
     let cells = cells(stage);
-    text.line("  switch rule * CELLS + c {");
-    for (id, p) in stage.productions.iter().enumerate() {
-        for (c, cell) in p.cells.iter().enumerate() {
-            if let Some(successor) = cell {
-                text.of_rule(format!("    case {}u: {{", id * cells + c), p.span);
-                child(&mut text, p, &stage.code.children[id], c, successor.symbol);
-                text.line("    }");
+    let kept = match layout.link {
+        None => "return m;".to_string(),
+        Some(word) => format!("r = m; {} = hang_of(m.index); return r;", lane(word).replacen('m', "r", 1)),
+    };
+    text.line(format!("  if rule >= {}u {{ {kept} }}", stage.keep()));
+    let all: usize = stage.productions.iter().map(|p| p.cells.len()).sum();
+    let case = |text: &mut Text, (id, p): (usize, &Production), c: usize, label: usize| {
+        if let Some(successor) = &p.cells[c] {
+            text.of_rule(format!("    case {label}u: {{"), p.span);
+            child(text, p, &stage.code.children[id], c, successor.symbol);
+            text.line("    }");
+        }
+    };
+    if all <= MOST_CASES {
+        text.line("  switch rule * CELLS + c {");
+        for (id, p) in stage.productions.iter().enumerate() {
+            (0..p.cells.len()).for_each(|c| case(&mut text, (id, p), c, id * cells + c));
+        }
+        text.line("    default: {}");
+        text.line("  }");
+    } else {
+        for (id, p) in stage.productions.iter().enumerate() {
+            for first in (0..p.cells.len()).step_by(MOST_CASES / 2) {
+                let end = p.cells.len().min(first + MOST_CASES / 2);
+                text.line(format!("  if rule == {id}u && c >= {first}u && c < {end}u {{"));
+                text.line("  switch c {");
+                (first..end).for_each(|c| case(&mut text, (id, p), c, c));
+                text.line("    default: {}");
+                text.line("  }");
+                text.line("  }");
             }
         }
     }
-    match layout.link {
-        None => text.line("    default: { r = m; }"),
-        Some(word) => {
-            let link = lane(word).replacen('m', "r", 1);
-            text.line(format!("    default: {{ r = m; {link} = hang_of(m.index); }}"));
-        }
-    }
-    text.line("  }");
     text.line("  return r;");
     text.line("}");
     text
@@ -366,6 +406,7 @@ impl<'a> Values<'a> {
                 format!("i32({}.q0.x & 0xffffu)", self.near.get(&offset).map_or("m", String::as_str))
             }
             Node::Behind => "i32(extent.wanted - m.index)".to_string(),
+            Node::Previous => "bitcast<i32>(m.index - 1u)".to_string(),
             Node::Index => "bitcast<i32>(m.index)".to_string(),
             Node::Beside(places) => format!("bitcast<i32>(beside(m.index, {places}u))"),
             Node::Up(n) => format!("bitcast<i32>(up_of({}))", self.place(n)),
@@ -384,6 +425,7 @@ impl<'a> Values<'a> {
             Node::Uniform(ty, at) => from_word(ty, &format!("uniform_word({at}u)")),
             Node::Measured(ty, at) => from_word(ty, &format!("measured_word(m, {at}u)")),
             Node::Given(ty, index) => from_word(ty, &format!("given_word({})", self.texts[index])),
+            Node::Number(slot) => format!("bitcast<i32>(extent.wanted + offsets[m.index] + {slot}u)"),
             Node::Step => "i32(extent.step)".to_string(),
             Node::RunStep => "bitcast<i32>(extent.run_step)".to_string(),
             Node::Seed => "bitcast<i32>(extent.seed)".to_string(),

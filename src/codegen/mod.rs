@@ -153,6 +153,8 @@ pub struct StageShaders {
     pub measure: Option<Shader>,
     /// Where words are linked.
     pub link: Option<Shader>,
+    /// Where the word is traced: `turtle`, or `turtle_linked`.
+    pub turtle: Option<Shader>,
     pub match_modules: Shader,
     /// Where rules replace several modules.
     pub claim: Option<Shader>,
@@ -183,8 +185,13 @@ pub fn stage_edited(
     let mut emit_parts = generate::record(&layout, true);
     emit_parts.append(matching);
     emit_parts.append(generate::successors(stage, &layout));
+    let turtle = match stage.row.turtle {
+        true => Some(turtle(plan, stage, tuning, edit)?),
+        false => None,
+    };
     let measure = match stage.row.words {
         0 => None,
+        _ if stage.row.turtle => None,
         _ => {
             let constants = format!("{constants}{}", measure_constants(plan, stage));
             Some(build("measure", &constants, generate::record(&layout, false), edit)?)
@@ -208,11 +215,30 @@ pub fn stage_edited(
     Ok(StageShaders {
         measure,
         link,
+        turtle,
         claim,
         match_modules: build("match_modules", &constants, match_parts, edit)?,
         count: build("count", &constants, generate::Text::default(), edit)?,
         emit: build(tuning.emit_kernel(&layout), &constants, emit_parts, edit)?,
     })
+}
+
+/// What finds where the turtle stands.
+fn turtle(plan: &Plan, stage: &Stage, tuning: &Tuning, edit: Option<&Edit>) -> Result<Shader, Error> {
+    let (layout, turtle) = (&plan.tables.layout, &plan.tables.turtle);
+    let linked = layout.link.is_some();
+    let workgroup = format!("const WORKGROUP = {}u;\n", tuning.workgroup);
+    let constants = format!(
+        "{}const QUADS = {}u;\nconst HALO = {}u;\nconst MEASURED = {}u;\nconst BEFORE = {};\n",
+        if linked { workgroup } else { scan_constants(tuning) },
+        layout.record_words / 4,
+        layout.halo(),
+        stage.row.words,
+        turtle.before,
+    );
+    let mut parts = generate::record(layout, false);
+    parts.append(generate::commands(turtle, layout));
+    build(if linked { "turtle_linked" } else { "turtle" }, &constants, parts, edit)
 }
 
 /// The kernels that know only the layout.

@@ -6,6 +6,7 @@ use burgeon::codegen::{self, Tessellation, Tuning};
 use burgeon::language::system::{Axiom, System};
 use burgeon::language::{Diagnostic, Severity};
 use burgeon::plan::derive::{StageId, Start};
+use burgeon::plan::tables::RulesOf;
 use burgeon::plan::{Placement, Plan};
 
 /// Everything that is wrong with a rule file.
@@ -93,13 +94,21 @@ pub fn wgsl(flags: &flags::Wgsl) -> Result<(), Failure> {
         text.push_str(&format!("// ---- {} {title}\n\n{}\n", shader.name, shader.source));
     };
     for id in stages(&plan) {
-        let groups = &plan.tables.rule_sets[id.rule_set].groups;
-        let names: Vec<&str> = groups.iter().map(|&g| system.groups[g].name.as_str()).collect();
-        let with = names.join(", ");
+        let with = match &plan.tables.rule_sets[id.rule_set].of {
+            RulesOf::Groups(groups) => {
+                let names: Vec<&str> = groups.iter().map(|&g| system.groups[g].name.as_str()).collect();
+                names.join(", ")
+            }
+            RulesOf::Trace(into) => format!("of trace into {}", plan.tables.symbols[*into].name),
+        };
         let of = if with.is_empty() { system.name.clone() } else { format!("{}, rules {with}", system.name) };
         let title = format!("of {of}, stage {}", id.stage + 1);
         let shaders = codegen::stage(&plan, id, &Tuning::GPU).map_err(failed)?;
-        let all = shaders.measure.iter().chain([&shaders.match_modules, &shaders.count, &shaders.emit]);
+        let all = shaders.measure.iter().chain(&shaders.turtle).chain([
+            &shaders.match_modules,
+            &shaders.count,
+            &shaders.emit,
+        ]);
         for shader in all {
             add(title.clone(), shader);
         }

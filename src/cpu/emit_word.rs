@@ -20,6 +20,7 @@ pub fn emit_word(
     offsets: &[u32],
     out: &mut [u32],
 ) {
+    let input = &Input { offsets, ..*input };
     let (n, words) = (input.len(), input.layout.record_words);
     let offset = |i: usize| match stage.closed {
         Some(growth) => i * growth as usize,

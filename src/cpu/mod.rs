@@ -13,10 +13,13 @@ pub mod expand;
 pub mod link;
 pub mod match_modules;
 pub mod measure;
+pub mod motion;
 pub mod program;
 pub mod retire;
 pub mod scan;
 pub mod tessellate;
+pub mod turtle;
+pub mod turtle_linked;
 
 use crate::language::expr::Value;
 use crate::plan::compare::{Replay, Trace, Traced, UNTRACED};
@@ -56,10 +59,22 @@ pub struct Cpu<'a> {
     columns: Columns,
     /// The column of the measured attributes.
     attributes: Vec<u32>,
-    /// Modules of the next chunk that a rule of the last has claimed.
-    claimed: u32,
+    /// What the chunk before left for this one, and what this one leaves: a chunk may be done again.
+    entered: Carried,
+    left: Carried,
     /// What contexts see in a linked word, kept for the next.
     links: Links,
+}
+
+/// What goes from a chunk of a curve's word to the next.
+#[derive(Clone, Copy, Default)]
+struct Carried {
+    /// Modules that a rule has claimed.
+    claimed: u32,
+    /// Modules of the new word so far.
+    made: u32,
+    /// Where the turtle stands.
+    turtle: motion::Motion,
 }
 
 /// One sweep of the passes over a chunk.
@@ -104,7 +119,8 @@ impl<'a> Cpu<'a> {
             trace: None,
             columns: Columns::default(),
             attributes: Vec::new(),
-            claimed: 0,
+            entered: Carried::default(),
+            left: Carried::default(),
             links: Links::default(),
         })
     }
@@ -135,13 +151,23 @@ impl<'a> Cpu<'a> {
             given: &self.given.words,
             measured: &[],
             measured_words: stage.row.words,
+            offsets: &[],
+            made: self.entered.made,
             clock,
             linked: tables.linked(chunk.own(&layout), &self.links),
-            offsets: &[],
             hangs: &[],
         };
         if let Some(trace) = replayed {
             attributes.extend(&trace.attributes);
+        } else if stage.row.turtle {
+            attributes.resize(n * stage.row.words, 0);
+            let (turtle, state) = (&self.plan.tables.turtle, self.entered.turtle);
+            if layout.link.is_some() {
+                turtle_linked::turtle_linked(turtle, &layout, input.records, attributes);
+            } else {
+                let state = || turtle::turtle(turtle, &layout, input.records, state, attributes);
+                self.left.turtle = self.threads.install(state);
+            }
         } else if stage.row.words > 0 {
             attributes.resize(n * stage.row.words, 0);
             let view = self.plan.tables.given.view();
@@ -152,15 +178,16 @@ impl<'a> Cpu<'a> {
         let (total, retired, status) = match stage.closed {
             Some(growth) => (n * growth as usize, 0, Status { fired: 1, ..Status::default() }),
             None => {
-                let mut claimed = if chunk.before == 0 { 0 } else { self.claimed };
+                let mut claimed = self.entered.claimed;
                 let filled = self.threads.install(|| columns.fill(stage, &input, n, replayed, &mut claimed));
-                self.claimed = claimed;
+                self.left.claimed = claimed;
                 filled
             }
         };
         if status.too_deep != 0 {
             return Outcome::TooDeep;
         }
+        self.left.made = self.entered.made.wrapping_add(total as u32);
         let modules = (total + retired) as u64;
         if modules * layout.module_bytes() > room {
             return Outcome::NoRoom { needed: modules * layout.module_bytes(), modules };
@@ -373,6 +400,7 @@ impl Backend for Cpu<'_> {
     }
 
     fn step(&mut self, id: StageId, clock: Clock, chunk: &Chunk, room: u64) -> Result<Outcome<Chunk>, Error> {
+        self.entered = if chunk.before == 0 { Carried::default() } else { self.left };
         Ok(self.step_as(Sweep { id, clock, chunk, room, replayed: None }))
     }
 }
@@ -421,8 +449,8 @@ impl Replay for Cpu<'_> {
     fn links(&self) -> Links {
         self.links.clone()
     }
-    fn behind(&self, chunk: &Chunk) -> usize {
-        chunk.behind
+    fn around(&self, chunk: &Chunk) -> [usize; 2] {
+        [chunk.before, chunk.behind]
     }
     fn replay(
         &mut self,

@@ -27,11 +27,13 @@ pub struct Input<'a> {
     /// The measured attributes, so many words a module.
     pub measured: &'a [u32],
     pub measured_words: usize,
+    /// Where the first child of each module goes, once that is known; and how many stand before all of them.
+    pub offsets: &'a [u32],
+    pub made: u32,
     pub clock: Clock,
     /// Of linked words: all of the word, whose module `first` is the first of `records`.
     pub linked: Option<Linked<'a>>,
-    /// Of linked words where children go: for each module of the word its first child, and what hangs outside.
-    pub offsets: &'a [u32],
+    /// Of linked words: for each module of the word what its children hang on outside of it.
     pub hangs: &'a [u32],
 }
 
@@ -47,7 +49,9 @@ impl<'a> Input<'a> {
         let measured = &self.measured[row(modules.start)..row(modules.end)];
         let records = &self.records[modules.start * words..modules.end * words];
         let behind = self.behind.saturating_sub(modules.start);
-        Input { records, first: self.first + modules.start, behind, measured, ..*self }
+        let offset = |module: usize| module.min(self.offsets.len());
+        let offsets = &self.offsets[offset(modules.start)..offset(modules.end)];
+        Input { records, first: self.first + modules.start, behind, measured, offsets, ..*self }
     }
     /// Modules.
     pub fn len(&self) -> usize {
@@ -111,9 +115,17 @@ pub fn run(graph: &Graph, block: &Input, registers: &mut Registers) {
                 let left = (0..=block.behind).rev().chain(std::iter::repeat(0));
                 out.iter_mut().zip(left).for_each(|(o, left)| *o = left as u32);
             }
+            Node::Number(slot) => {
+                let number = |offset: &u32| block.made.wrapping_add(offset + slot);
+                out.iter_mut().zip(block.offsets).for_each(|(o, offset)| *o = number(offset));
+            }
             Node::NearSymbol(offset) => {
                 let column = block.window.iter().skip(block.place(offset) * words).step_by(words);
                 out.iter_mut().zip(column).take(block.len()).for_each(|(o, w)| *o = *w & 0xffff);
+            }
+            Node::Previous => {
+                let before = (block.first as u32).wrapping_sub(1);
+                out.iter_mut().enumerate().for_each(|(i, o)| *o = before.wrapping_add(i as u32));
             }
             Node::Index => out.iter_mut().zip(block.first as u32..).for_each(|(o, i)| *o = i),
             Node::Beside(places) => {
@@ -137,8 +149,8 @@ pub fn run(graph: &Graph, block: &Input, registers: &mut Registers) {
             Node::Link { cell, lateral } => {
                 let flag = if lateral { LATERAL } else { 0 };
                 for (i, o) in out.iter_mut().enumerate().take(block.len()) {
-                    let i = block.first + i;
-                    *o = flag | cell.map_or_else(|| block.hangs[i], |cell| block.offsets[i] + cell);
+                    let outside = || block.hangs[block.first + i];
+                    *o = flag | cell.map_or_else(outside, |cell| block.offsets[i] + cell);
                 }
             }
             Node::Measured(_, at) => {

@@ -76,7 +76,7 @@ impl Axiom {
                             Some(arg) => arg.clone(),
                             None => Expr::literal(of_type(point, &field.ty), *span),
                         };
-                        let hang = Hang { on: n.checked_sub(1), lateral: false, slot: n as u32 };
+                        let hang = Hang { on: n.checked_sub(1), slot: n as u32, ..Hang::default() };
                         Root { symbol: *symbol, args: args.iter().zip(fields).map(arg).collect(), hang }
                     };
                     if let Some(n) = points.iter().position(|p| p.iter().any(|x| !x.is_finite())) {

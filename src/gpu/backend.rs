@@ -4,6 +4,7 @@
 use super::buffers::{self, Pool, Pooled};
 use super::kernels::{SharedKernels, StageKernels};
 use super::sweep::Sweep;
+use super::turtle::Turtle;
 use super::{Engine, Error};
 use crate::language::expr::Value;
 use crate::plan::Plan;
@@ -58,6 +59,9 @@ pub struct Gpu<'a> {
     pub(super) trace: Option<Trace>,
     /// Modules of the next chunk that a rule of the last has claimed.
     pub(super) claimed: u32,
+    /// Modules that the chunks before have become.
+    pub(super) made: u32,
+    pub(super) turtle: Turtle,
 }
 
 /// Where the extents stand.
@@ -89,6 +93,8 @@ impl<'a> Gpu<'a> {
                 staging: buffers::staging(engine, READ_BYTES),
                 trace: None,
                 claimed: 0,
+                made: 0,
+                turtle: Turtle::new(engine),
                 engine: engine.clone(),
             })
         })
@@ -190,7 +196,7 @@ impl Backend for Gpu<'_> {
         let by_attributes = (most - given.min(most)).checked_div(row).unwrap_or(u64::MAX);
         let layout = self.layout();
         let modules = most / layout.net_bytes().max(layout.record_bytes()) - 2 * layout.halo() as u64;
-        modules.min(by_attributes) as usize
+        modules.min(by_attributes).min(self.most_turtle(most)) as usize
     }
 
     fn split(&mut self, chunk: GpuChunk, most: usize) -> Result<Vec<GpuChunk>, Error> {
@@ -291,6 +297,7 @@ impl Backend for Gpu<'_> {
         engine.checked("rewriting a chunk", || {
             let n = chunk.len as u64;
             self.room_for_attributes(id.of(self.plan), n);
+            self.room_for_turtle(id.of(self.plan), chunk);
             // Where the growth is closed no column is read: any buffer will do.
             let columns = self.columns(if id.of(self.plan).closed.is_some() { 1 } else { n });
             let outcome = self.sweep(Sweep { id, clock, chunk, columns: &columns }, room)?;

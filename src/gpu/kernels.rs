@@ -73,7 +73,7 @@ impl Kernel {
     }
 
     fn of_pass(engine: &Engine, shader: &Shader, pass: &Pass, entries: &[&str]) -> Kernel {
-        Kernel::new(engine, shader, &bindings(pass), entries)
+        Kernel::new(engine, shader, &pass.bindings(false), entries)
     }
 
     /// Binds (buffer, offset, bytes) in the order of the columns.
@@ -95,6 +95,19 @@ impl Kernel {
             layout: &self.layout,
             entries: &entries,
         })
+    }
+
+    /// Records one dispatch of a kernel that has several entries.
+    pub fn record_entry(
+        &self,
+        pass: &mut wgpu::ComputePass,
+        group: &wgpu::BindGroup,
+        entry: usize,
+        [x, y]: [u32; 2],
+    ) {
+        pass.set_bind_group(0, group, &[0]);
+        pass.set_pipeline(&self.pipelines[entry]);
+        pass.dispatch_workgroups(x, y, 1);
     }
 
     /// Records the dispatches of a pass, with these numbers of workgroups and the slot that is bound.
@@ -151,11 +164,6 @@ impl<'a> Binding<'a> {
     }
 }
 
-fn bindings(pass: &Pass) -> Vec<(Column, bool)> {
-    let reads = pass.reads.iter().map(|c| (*c, false));
-    reads.chain(pass.writes.iter().map(|c| (*c, true))).collect()
-}
-
 /// Workgroups for so many invocations: more than fit in one dimension go on in the second.
 pub fn groups(invocations: u64, workgroup: u32) -> [u32; 2] {
     const ALONG_X: u64 = 32_768;
@@ -170,7 +178,7 @@ pub fn scan_groups(count: u64, tile: u32) -> [[u32; 2]; 3] {
 }
 
 /// Entries of the kernel `link`: what contexts see, then what children hang on.
-pub const LINK_ENTRIES: [&str; 6] = ["start", "scatter", "settle", "jump", "unhang", "rehang"];
+pub const LINK_ENTRIES: [&str; 6] = ["start", "link", "settle", "jump", "unhang", "rehang"];
 
 /// Dispatches that fill the links which contexts follow, each as the entry that it calls: jumps as often as a link may
 /// have to double.
@@ -194,6 +202,7 @@ fn rounds(n: u64) -> usize {
 pub struct StageKernels {
     pub measure: Option<Kernel>,
     pub link: Option<Kernel>,
+    pub turtle: Option<Kernel>,
     pub match_modules: Kernel,
     pub claim: Option<Kernel>,
     pub count: Kernel,
@@ -221,13 +230,19 @@ impl StageKernels {
         let link = |s: &Shader| Kernel::of_pass(engine, s, &step::LINK, &LINK_ENTRIES);
         let linked = plan.tables.layout.link.is_some();
         let of_pass = |s: &Shader, pass: &Pass| {
-            let links = linked.then_some((Column::Links, false));
-            let bindings: Vec<_> = bindings(pass).into_iter().chain(links).collect();
-            Kernel::new(engine, s, &bindings, &[pass.name])
+            Kernel::new(engine, s, &pass.bindings(linked), &[pass.name])
+        };
+        let turtle = |s: &Shader| match plan.tables.layout.link {
+            None => Kernel::of_pass(engine, s, &step::TURTLE, &["reduce", "spine", "turtle"]),
+            Some(_) => {
+                let entries = ["begin", "away", "back", "turtle_linked"];
+                Kernel::of_pass(engine, s, &step::TURTLE_LINKED, &entries)
+            }
         };
         Ok(StageKernels {
             measure: shaders.measure.as_ref().map(measure),
             link: shaders.link.as_ref().map(link),
+            turtle: shaders.turtle.as_ref().map(turtle),
             claim: shaders.claim.as_ref().map(claim),
             match_modules: of_pass(&shaders.match_modules, &step::MATCH),
             count: Kernel::of_pass(engine, &shaders.count, &step::COUNT, &["count"]),

@@ -12,6 +12,7 @@ pub mod run;
 mod scans;
 mod sweep;
 pub mod tessellate;
+mod turtle;
 
 pub use backend::{Gpu, GpuChunk, derive, derive_curve};
 pub use headless::{Headless, Requirement, adapters, adapters_in};

@@ -85,11 +85,17 @@ impl Gpu<'_> {
             .for_each(|c| self.pool.give(c));
     }
 
+    /// What a dispatch over a chunk needs that reads its modules alone.
+    pub(super) fn write_count(&self, chunk: &GpuChunk) {
+        let (count, given) = (chunk.len as u32, self.given.words.len() as u32);
+        self.write_extent(0, Extent { count, given, ..Extent::default() });
+    }
+
     fn write_extent(&self, slot: u64, extent: Extent) {
         self.engine.queue.write_buffer(&self.extents, slot * EXTENT_STRIDE, bytemuck::bytes_of(&extent));
     }
 
-    fn extent(&self, slot: u64) -> Binding<'_> {
+    pub(super) fn extent(&self, slot: u64) -> Binding<'_> {
         Binding { buffer: &self.extents, offset: slot * EXTENT_STRIDE, bytes: size_of::<Extent>() as u64 }
     }
 
@@ -109,7 +115,7 @@ impl Gpu<'_> {
     }
 
     /// The words given and the attributes of so many modules.
-    fn attributes(&self, stage: &Stage, n: u64) -> Binding<'_> {
+    pub(super) fn attributes(&self, stage: &Stage, n: u64) -> Binding<'_> {
         let words = self.given.words.len() as u64 + n * stage.row.words as u64;
         Binding::new(&self.attributes, words * 4)
     }
@@ -117,6 +123,7 @@ impl Gpu<'_> {
     /// The attributes that the rules read, into room that is there.
     fn measure(&self, pass: &mut wgpu::ComputePass, id: StageId, chunk: &GpuChunk, slot: u64) {
         let (stage, layout, n) = (id.of(self.plan), self.layout(), chunk.len as u64);
+        self.turtle(pass, id, chunk, slot);
         let kernels = &self.stages[&id];
         let Some(kernel) = &kernels.measure else { return };
         let bound = [
@@ -227,6 +234,7 @@ impl Gpu<'_> {
         let extent = |count: usize, capacity: usize| Extent {
             count: count as u32,
             capacity: capacity as u32,
+            wanted: self.made,
             clock,
             given: self.given.words.len() as u32,
             ..Extent::default()
@@ -320,6 +328,7 @@ impl Gpu<'_> {
         let engine = self.engine.clone();
         engine.checked("rewriting a chunk into buffers of the caller", || {
             self.room_for_attributes(id.of(self.plan), chunk.len as u64);
+            self.room_for_turtle(id.of(self.plan), chunk);
             let columns = self.columns(chunk.len as u64);
             let sweep = Sweep { id, clock, chunk, columns: &columns };
             let totals = self.totals_or_closed(sweep)?;
@@ -363,8 +372,10 @@ impl Gpu<'_> {
         if may_be_too_deep {
             self.engine.queue.write_buffer(&self.status, 0, bytemuck::bytes_of(&Status::default()));
         }
+        self.made = if chunk.before == 0 { 0 } else { self.made };
         let targets = [&next, &finished].map(|chunk| chunk.as_ref().map(Target::exact));
         self.write(sweep, targets[0], targets[1]);
+        self.made = self.made.wrapping_add(totals.modules as u32);
         // Where the growth is closed, it is the second submission that measures.
         if stage.closed.is_some() && self.trace.is_some() {
             let attributes = self.read_attributes(id, chunk.len as u64)?;
@@ -402,7 +413,7 @@ impl Gpu<'_> {
     }
 
     /// What was measured of so many modules.
-    fn read_attributes(&self, id: StageId, n: u64) -> Result<Vec<u32>, Error> {
+    pub(super) fn read_attributes(&self, id: StageId, n: u64) -> Result<Vec<u32>, Error> {
         let row = id.of(self.plan).row.words as u64;
         if row == 0 {
             return Ok(Vec::new());

@@ -144,6 +144,8 @@ pub struct Hang {
     pub on: Option<usize>,
     /// It begins a branch.
     pub lateral: bool,
+    /// It hangs on nothing at all: the first of a curve that the turtle begins.
+    pub root: bool,
     /// Its place in the word, `eps` counted and brackets not.
     pub slot: u32,
 }
@@ -368,7 +370,11 @@ pub enum StepKind {
     },
     /// Index into [`System::placements`]. In patch systems the last step.
     Place(usize),
-    /// `subdivide`, `mark`, `crease`, `deposit`, `trace`: the word that names it; the rest is in the
+    /// The turtle writes modules of this symbol.
+    Trace {
+        into: SymbolId,
+    },
+    /// `subdivide`, `mark`, `crease`, `deposit`: the word that names it; the rest is in the
     /// syntax tree.
     Other(&'static str),
 }

@@ -109,6 +109,7 @@ pub fn evaluate(graph: &Graph, module: &Module) -> Vec<Known> {
             Node::NearSymbol(offset) => Known::Exact(module.near(offset, 0) & 0xffff),
             // Which of two backends counts, they agree on: it is no float.
             Node::Behind => Known::Exact(module.behind),
+            Node::Previous => Known::Exact(module.index.wrapping_sub(1)),
             Node::Index => Known::Exact(module.index),
             Node::Beside(places) => module.walk(|word| word.beside(module.index, places)),
             Node::Up(n) => module.walk(|word| word.up(exact(known[n]))),
@@ -134,6 +135,8 @@ pub fn evaluate(graph: &Graph, module: &Module) -> Vec<Known> {
                 let last = module.given.len().saturating_sub(1);
                 indexed(ty, known[index], |i| word(module.given, (i as usize).min(last)))
             }
+            // Prefix sums that the two agree on.
+            Node::Number(_) => Known::Exact(u32::MAX),
             Node::Level => {
                 let head = word(module.record, 0);
                 Known::Exact((head >> 16 & 0xff).max(head >> 24))

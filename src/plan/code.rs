@@ -76,7 +76,7 @@ impl StageCode {
                     args.push(Vec::new());
                     continue;
                 };
-                let mut words = lower.path(production, cell.hang.slot, layout);
+                let mut words = lower.path(stage, production, cell.hang.slot, layout);
                 words.extend(layout.link.map(|word| (lower.graph.link(&cell.hang), word)));
                 words.extend(lower.args(&cell.args, &symbols[cell.symbol]));
                 args.push(words);
@@ -132,11 +132,18 @@ impl<'a> Lower<'a> {
     }
 
     /// The words of a child's path, where curves have one: a module that replaces its predecessor keeps it.
-    fn path(&mut self, production: &Production, slot: u32, layout: &Layout) -> Vec<(NodeId, usize)> {
+    fn path(
+        &mut self,
+        stage: &Stage,
+        production: &Production,
+        slot: u32,
+        layout: &Layout,
+    ) -> Vec<(NodeId, usize)> {
         if !layout.has_paths() {
             return Vec::new();
         }
         let path = match production.relabels {
+            _ if stage.roots => self.graph.root_path(slot),
             true => self.graph.path(),
             false => self.graph.child_path(slot),
         };

@@ -13,6 +13,7 @@ use super::given::Given;
 use super::links::Links;
 use super::step::Clock;
 use super::tables::Stage;
+use super::turtle;
 use std::sync::Arc;
 
 /// What the passes of one sweep wrote, for comparison: the columns of [`super::step::Column`].
@@ -58,8 +59,8 @@ pub trait Replay: Traced {
     fn window(&self, chunk: &Self::Chunk) -> Vec<u32>;
     /// What contexts saw in the last sweep, if its word was linked.
     fn links(&self) -> Links;
-    /// Modules of a curve's word from the chunk's first to the end.
-    fn behind(&self, chunk: &Self::Chunk) -> usize;
+    /// Modules of a curve's word before the chunk, and from its first to the end.
+    fn around(&self, chunk: &Self::Chunk) -> [usize; 2];
     /// The environment of a stage.
     fn environment(&self, stage: StageId) -> Vec<u32>;
 }
@@ -110,6 +111,8 @@ pub struct Pair<'a, L: Replay, R: Traced> {
     /// Words that differ and of whose expression nothing is known: an overflow, a quotient by what may be 0.
     pub unbounded: u64,
     given: Arc<Given>,
+    /// The greatest coordinate of the turtle in this word so far.
+    reach: f32,
 }
 
 type ChunksOf<L, R> = (<L as Backend>::Chunk, <R as Backend>::Chunk);
@@ -131,6 +134,7 @@ impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
             replayed: 0,
             unbounded: 0,
             given: Arc::default(),
+            reach: 0.0,
         }
     }
 
@@ -207,6 +211,12 @@ impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
         self.elements += (own.attributes.len() + own.rules.len()) as u64;
         let lengths = |t: &Trace| [t.attributes.len(), t.rules.len()];
         self.same("measure", &lengths(&own), &lengths(&other), whole, |n| format!("{n} words"))?;
+        let [before, behind] = self.left.around(chunk);
+        let turtle = id.of(self.plan).row.turtle;
+        if turtle {
+            let reach = if before == 0 { 0.0 } else { self.reach };
+            self.reach = reach.max(turtle::reach(&own.attributes));
+        }
         if own.attributes == other.attributes && own.rules == other.rules {
             return Ok(false);
         }
@@ -228,20 +238,24 @@ impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
                 continue;
             }
             let net = &nets[i * layout.net_points()..][..layout.net_points()];
-            let spread = bound::spread(&stage.row, net, plan.rational(), view);
+            let spread = match turtle {
+                true => turtle::spread(before + i + 1, self.reach).to_vec(),
+                false => bound::spread(&stage.row, net, plan.rational(), view),
+            };
             let float = |w: u32| format!("{:?}", f32::from_bits(w));
             for (n, (&a, &b)) in measured.iter().zip(theirs).enumerate() {
                 let value = f32::from_bits(a);
                 if a != b && !self.allows(Known::Near { value, radius: spread[n] }, a, b) {
                     let place = |_| format!("word {n} of the attributes of module {i}");
-                    self.same("measure", &[a], &[b], place, float)?;
+                    let pass = if turtle { "turtle" } else { "measure" };
+                    self.same(pass, &[a], &[b], place, float)?;
                 }
             }
             if rules[0] != rules[1] {
                 let (given, environment) = (given.words.as_slice(), environment.as_slice());
                 let at = (layout.halo() + i) * layout.record_words;
                 let (spread, window) = (&spread[..], &window[..]);
-                let behind = (self.left.behind(chunk) - i) as u32;
+                let behind = (behind - i) as u32;
                 let module = Module {
                     record,
                     window,

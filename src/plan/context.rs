@@ -17,6 +17,8 @@ pub enum Place {
     Strict(u32),
     /// So many modules before the predecessor; in a tree ancestors.
     Before(u32),
+    /// The record before, whatever hangs on what: of the first of all there is none.
+    Previous,
     /// So many modules behind the last of the predecessors, on its axis.
     Behind { last: u32, steps: u32 },
     /// What a search found in this step.
@@ -29,6 +31,7 @@ impl Place {
         match self {
             Place::Strict(n) => n as i32,
             Place::Before(n) => -(n as i32),
+            Place::Previous => -1,
             Place::Behind { last, steps } => (last + steps) as i32,
             // Only trees have branches.
             Place::Found { .. } => 0,

@@ -11,7 +11,8 @@ use super::layout::{Header, LATERAL, Layout, NONE};
 use super::schedule::{self, Derive};
 use super::size::{self, Bounds};
 use super::step::Clock;
-use super::tables::Stage;
+use super::tables::{RulesOf, Stage};
+use super::turtle;
 use super::{Error, Plan};
 use crate::language::expr::Value;
 use crate::language::system::{Kind, Topology};
@@ -307,6 +308,15 @@ impl<B: Backend> Run<'_, B> {
         for stage in 0..self.plan.tables.rule_sets[rule_set].stages.len() {
             let id = StageId { rule_set, stage };
             fired |= self.sweep(id, clock)?;
+        }
+        if let RulesOf::Trace(into) = self.plan.tables.rule_sets[rule_set].of
+            && self.modules == 0
+        {
+            let tables = &self.plan.tables;
+            let record = turtle::start(&tables.symbols, into, tables.layout.record_words);
+            let chunk = self.backend.upload(record, Vec::new())?;
+            self.frontier.push(chunk);
+            self.modules = 1;
         }
         Ok(fired)
     }

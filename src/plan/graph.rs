@@ -5,6 +5,7 @@
 //! right. So there is one place where a vector operation gets its order, and equal nodes are one.
 
 use super::context::{Near, Place, Search};
+use super::layout::NONE;
 use super::measure::Row;
 use super::placement;
 use super::tables::Environment;
@@ -50,6 +51,8 @@ pub enum Node {
     Behind,
     /// Of linked words: the module itself.
     Index,
+    /// The record before it.
+    Previous,
     /// The one so many behind it, if no other stands between on their axis, else nowhere.
     Beside(u32),
     /// The module that contexts see before another, or nowhere.
@@ -81,6 +84,8 @@ pub enum Node {
     Held(u32),
     /// The greater of the halvings along u and v.
     Level,
+    /// The number in the new word of the child in this slot; only children may ask.
+    Number(u32),
     /// Steps done in this derive.
     Step,
     /// Steps done in the whole run.
@@ -218,10 +223,9 @@ impl Graph {
             Node::Element { ty, .. } => ty,
             Node::Held(_) => Scalar::Float,
             Node::At(ty, ..) => ty,
-            Node::NearSymbol(_) | Node::Behind | Node::Level | Node::Step | Node::RunStep | Node::Seed => {
-                Scalar::Int
-            }
-            Node::Index | Node::Beside(_) | Node::Up(_) | Node::Down(_) => Scalar::Int,
+            Node::NearSymbol(_) | Node::Behind | Node::Number(_) | Node::Level => Scalar::Int,
+            Node::Step | Node::RunStep | Node::Seed => Scalar::Int,
+            Node::Index | Node::Previous | Node::Beside(_) | Node::Up(_) | Node::Down(_) => Scalar::Int,
             Node::SymbolAt(_) | Node::Link { .. } => Scalar::Int,
             Node::Search(_) | Node::Found { .. } => Scalar::Int,
             Node::Call(op, _) => Scalar::of(&op.row().result),
@@ -397,6 +401,7 @@ impl Graph {
             Place::Behind { last, steps } => {
                 Node::Down(self.place(Place::Behind { last, steps: steps - 1 }, searches))
             }
+            Place::Previous => Node::Previous,
             Place::Found { search, step } => {
                 // All at once: a backend fills these nodes in one go.
                 let first = self.push(Node::Search(search));
@@ -410,6 +415,9 @@ impl Graph {
 
     /// What a child hangs on.
     pub fn link(&mut self, hang: &Hang) -> NodeId {
+        if hang.root {
+            return self.int(NONE);
+        }
         self.push(Node::Link { cell: hang.on.map(|cell| cell as u32), lateral: hang.lateral })
     }
 
@@ -444,6 +452,11 @@ impl Graph {
         let slot = self.int(slot);
         let high = self.ints("hash #", &[high, slot]);
         [high, self.ints("hash #", &[low, high])]
+    }
+
+    /// That of a child in this slot which is a root: what stands for it is its number in the word.
+    pub fn root_path(&mut self, slot: u32) -> [NodeId; 2] {
+        [self.int(0), self.push(Node::Number(slot))]
     }
 
     /// The hash behind one random number: of the seed, for a module the step of the whole run, what names

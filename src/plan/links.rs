@@ -79,7 +79,7 @@ impl Linked<'_> {
             Place::Strict(n) => self.beside(own, n),
             Place::Before(n) => (0..n).fold(own, |i, _| self.up(i)),
             Place::Behind { last, steps } => (0..steps).fold(self.beside(own, last), |i, _| self.down(i)),
-            Place::Found { .. } => NOWHERE,
+            Place::Previous | Place::Found { .. } => NOWHERE,
         }
     }
 

@@ -5,6 +5,7 @@
 //! attributes that the stage reads have a place.
 
 use super::tables::Stage;
+use super::turtle;
 use crate::language::expr::{Expr, ExprKind};
 
 /// An attribute that is measured.
@@ -33,6 +34,8 @@ pub const MEASURES: [Measure; 8] = [
 /// Which attributes a stage reads, and where in a module's row each begins.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Row {
+    /// The row is the turtle's: [`turtle::ROW_WORDS`], which the pass `turtle` writes.
+    pub turtle: bool,
     /// For each of [`MEASURES`].
     pub places: [Option<usize>; MEASURES.len()],
     /// Words a module.
@@ -43,16 +46,21 @@ impl Row {
     /// What these expressions read.
     pub fn of<'e>(expressions: impl Iterator<Item = &'e Expr>) -> Row {
         let mut read = [false; MEASURES.len()];
+        let mut row = Row::default();
         for e in expressions {
             e.walk(&mut |e| {
-                if let ExprKind::Attribute(name) = e.kind
-                    && let Some(n) = index(name)
-                {
-                    read[n] = true;
+                if let ExprKind::Attribute(name) = e.kind {
+                    row.turtle |= turtle::place(name).is_some();
+                    if let Some(n) = index(name) {
+                        read[n] = true;
+                    }
                 }
             });
         }
-        let mut row = Row::default();
+        if row.turtle {
+            row.words = turtle::ROW_WORDS;
+            return row;
+        }
         for (n, measure) in MEASURES.iter().enumerate().filter(|(n, _)| read[*n]) {
             row.places[n] = Some(row.words);
             row.words += measure.words;
@@ -69,6 +77,9 @@ impl Row {
 
     /// Where an attribute begins.
     pub fn place(&self, name: &str) -> Option<usize> {
+        if self.turtle {
+            return turtle::place(name);
+        }
         self.places[index(name)?]
     }
 

@@ -21,6 +21,7 @@ pub mod step;
 pub mod supported;
 pub mod tables;
 pub mod turns;
+pub mod turtle;
 
 use crate::language::expr::Value;
 use crate::language::system::{Kind, System, Topology, UniformKind};

@@ -1,5 +1,6 @@
 //! The `run:` block, its counts read: a flat list of derives.
 
+use super::tables::RulesOf;
 use super::{Error, Plan};
 use crate::language::eval;
 use crate::language::expr::{Expr, Value};
@@ -45,10 +46,13 @@ fn steps(
         match &step.kind {
             StepKind::Derive { count, until_terminal, groups } => {
                 let count = number(count, uniforms, "derive")?;
-                let rule_set = plan.tables.rule_set(groups).ok_or_else(|| {
-                    Error::Value("a derive of the schedule names rules that were not compiled".to_string())
-                })?;
+                let rule_set = rule_set(plan, &RulesOf::Groups(groups.clone()))?;
                 list.push(Derive { rule_set, count, until_terminal: *until_terminal });
+            }
+            // A step of rules that the tables hold for it.
+            StepKind::Trace { into } => {
+                let rule_set = rule_set(plan, &RulesOf::Trace(*into))?;
+                list.push(Derive { rule_set, count: 1, until_terminal: false });
             }
             StepKind::Repeat { count, body } => {
                 for _ in 0..number(count, uniforms, "repeat")? {
@@ -68,6 +72,12 @@ fn steps(
         }
     }
     Ok(())
+}
+
+fn rule_set(plan: &Plan, of: &RulesOf) -> Result<usize, Error> {
+    plan.tables.rule_set(of).ok_or_else(|| {
+        Error::Value("a derive of the schedule names rules that were not compiled".to_string())
+    })
 }
 
 fn number(e: &Expr, uniforms: &[Value], what: &str) -> Result<u32, Error> {

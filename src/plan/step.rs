@@ -7,6 +7,8 @@
 //! ```text
 //! measure         attributes of nets, where rules read any      nets → attributes
 //! link            of linked words what contexts see            records → links
+//! turtle          of curves: where the turtle stands        records → attributes
+//! turtle_linked   the same of words with links
 //! match_modules   which rule fires on each module               records → rules
 //! claim           what rules of several predecessors take         rules → rules
 //! count           how many modules come of it                   rules → counts
@@ -43,13 +45,18 @@ pub enum Column {
     NextNets,
     /// Prefix sums of the tiles of a scan, and the total behind the last.
     Sums,
+    /// Rigid motions of tiles, or of modules: [`super::turtle`].
+    Motions,
+    /// The motion that goes from one chunk to the next.
+    Carried,
     /// Indices of the retired modules in ascending order.
     Retired,
     /// Records of the retired modules.
     FinishedRecords,
     /// Nets of the retired modules.
     FinishedNets,
-    /// Of linked words: four sections, each with a word for every module ([`super::links`]).
+    /// Of linked words what modules hang on: four sections, each with a word for every module ([`super::links`]); of
+    /// the turtle two.
     Links,
     /// Flags of the chunk: see [`Status`].
     Status,
@@ -68,11 +75,28 @@ pub struct Pass {
     pub writes: &'static [Column],
 }
 
+impl Pass {
+    /// What it binds, in order, and whether that is written. Of a linked word contexts and children read its links,
+    /// behind all else.
+    pub fn bindings(&self, linked: bool) -> Vec<(Column, bool)> {
+        let links = linked && [MATCH.name, EMIT_WORD.name].contains(&self.name);
+        let reads = self.reads.iter().map(|c| (*c, false));
+        let written = reads.chain(self.writes.iter().map(|c| (*c, true)));
+        written.chain(links.then_some((Links, false))).collect()
+    }
+}
+
 use Column::*;
 
 /// The attributes of nets.
 pub const MEASURE: Pass =
     Pass { name: "measure", reads: &[Extent, Environment, Records, Nets], writes: &[Attributes] };
+/// Where the turtle stands at each module, where a word is traced: a scan, as [`SCAN`].
+pub const TURTLE: Pass =
+    Pass { name: "turtle", reads: &[Extent, Records], writes: &[Attributes, Motions, Carried] };
+/// The same where modules have links.
+pub const TURTLE_LINKED: Pass =
+    Pass { name: "turtle_linked", reads: &[Extent, Records], writes: &[Attributes, Motions, Links] };
 /// What contexts see around the modules of a linked word; and, when it is known what they become, what their children
 /// hang on.
 pub const LINK: Pass = Pass { name: "link", reads: &[Extent, Environment, Records, Rules], writes: &[Links] };
@@ -110,7 +134,20 @@ pub const RETIRE: Pass = Pass {
 };
 
 /// All passes, in the order in which they run; of a curve `emit_word` takes the place of `emit`.
-pub const PASSES: [Pass; 10] = [MEASURE, LINK, MATCH, CLAIM, COUNT, SCAN, EMIT, EMIT_WORD, COMPACT, RETIRE];
+pub const PASSES: [Pass; 12] = [
+    MEASURE,
+    TURTLE,
+    TURTLE_LINKED,
+    LINK,
+    MATCH,
+    CLAIM,
+    COUNT,
+    SCAN,
+    EMIT,
+    EMIT_WORD,
+    COMPACT,
+    RETIRE,
+];
 
 /// What the rules may know of the time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -132,7 +169,8 @@ pub struct Extent {
     pub count: u32,
     /// Modules that fit in the buffers that the pass writes; nothing is written past them.
     pub capacity: u32,
-    /// The rule id that `compact` looks for; of a curve, modules from the chunk's first to the end of the word.
+    /// The rule id that `compact` looks for; of a curve, modules from the chunk's first to the end of the word, and for
+    /// `emit_word` modules of the new word before it.
     pub wanted: u32,
     pub clock: Clock,
     /// Words that the host gives: where the measured attributes begin.

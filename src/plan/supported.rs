@@ -36,7 +36,7 @@ fn steps(run: &[Step], kind: &str) -> Result<(), Unsupported> {
     for step in run {
         match &step.kind {
             // That a placement stands last the checker has seen to.
-            StepKind::Derive { .. } | StepKind::Place(_) => {}
+            StepKind::Derive { .. } | StepKind::Place(_) | StepKind::Trace { .. } => {}
             StepKind::Repeat { body, .. } | StepKind::If { body, .. } => steps(body, kind)?,
             StepKind::Other(name) => {
                 return Err(Unsupported::new(format!("`{name}` in a {kind} system"), step.span));

@@ -12,6 +12,7 @@ use super::layout::{CurveHeader, Layout};
 use super::links::{Linked, Links};
 use super::measure::Row;
 use super::supported::{self, Unsupported};
+use super::turtle::{self, Turtle};
 use crate::language::Span;
 use crate::language::expr::{Expr, ExprKind, Type};
 use crate::language::system::{self, BinderPlace, Field, Hang, Kind, Rule, System, Topology};
@@ -135,6 +136,8 @@ pub struct Stage {
     pub closed: Option<u32>,
     /// Holds the rules as written, not what nested blocks left.
     pub first: bool,
+    /// What it writes are roots: the points of a turtle.
+    pub roots: bool,
     /// Modules have neighbours, so none is ever retired.
     pub curve: bool,
     /// The attributes of nets that its rules read.
@@ -153,6 +156,7 @@ impl Stage {
             retires: Vec::new(),
             closed: None,
             first,
+            roots: false,
             curve,
             row: Row::default(),
             code: StageCode::default(),
@@ -259,11 +263,19 @@ fn changes_with_step(e: &Expr) -> bool {
     found
 }
 
-/// The rules of one `derive … with …`.
+/// Where the rules of a step come from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum RulesOf {
+    /// `derive … with …`: indices of the groups, by priority.
+    Groups(Vec<usize>),
+    /// `trace into …`, this symbol: [`super::turtle::rules`].
+    Trace(usize),
+}
+
+/// The rules of one kind of step.
 #[derive(Clone, Debug)]
 pub struct RuleSet {
-    /// Indices of the groups, by priority.
-    pub groups: Vec<usize>,
+    pub of: RulesOf,
     pub stages: Vec<Stage>,
 }
 
@@ -279,6 +291,7 @@ pub struct Tables {
     pub searches: Vec<Search>,
     /// For each symbol whether contexts look past it.
     pub ignored: Vec<bool>,
+    pub turtle: Turtle,
 }
 
 /// Where the words of the environment stand that are the same for all stages.
@@ -299,7 +312,10 @@ impl Tables {
             Kind::Patch { degree, .. } => Layout::new(0, degree),
             _ => {
                 let tree = system.kind == Kind::Curve(Topology::Tree);
-                let links = tree || !system.ignored.is_empty();
+                // A word in which the turtle moves without drawing becomes several curves.
+                let moves = system.symbols.iter().any(|s| s.name == "f");
+                let traces = rules_of(&system.run).iter().any(|of| matches!(of, RulesOf::Trace(_)));
+                let links = tree || !system.ignored.is_empty() || moves && traces;
                 let has = CurveHeader { paths: draws(system), links, words: false };
                 Layout::of_curve(param_words.max().unwrap_or(0), has)
             }
@@ -310,8 +326,8 @@ impl Tables {
             builder.add_symbol(s.name.clone(), s.fields.clone(), false);
         }
         let mut rule_sets = Vec::new();
-        for groups in derived_groups(&system.run) {
-            rule_sets.push(builder.rule_set(groups)?);
+        for of in rules_of(&system.run) {
+            rule_sets.push(builder.rule_set(of)?);
         }
         let Builder { symbols, searches, .. } = builder;
         if symbols.len() > MOST_SYMBOLS {
@@ -329,7 +345,8 @@ impl Tables {
             _ => layout,
         };
         let ignored = (0..symbols.len()).map(|symbol| system.ignored.contains(&symbol)).collect();
-        Ok(Tables { layout, symbols, given: places.given, rule_sets, searches, ignored })
+        let turtle = Turtle::new(system, &symbols);
+        Ok(Tables { layout, symbols, given: places.given, rule_sets, searches, ignored, turtle })
     }
 
     /// The most words of attributes that a stage measures of a module.
@@ -343,9 +360,9 @@ impl Tables {
         layout.link.map(|_| Linked { records, layout: *layout, links, ignored, searches })
     }
 
-    /// The rule set of these groups.
-    pub fn rule_set(&self, groups: &[usize]) -> Option<usize> {
-        self.rule_sets.iter().position(|s| s.groups == groups)
+    /// The rule set of these rules.
+    pub fn rule_set(&self, of: &RulesOf) -> Option<usize> {
+        self.rule_sets.iter().position(|s| s.of == *of)
     }
 }
 
@@ -368,18 +385,21 @@ fn words_of(symbol: &Symbol) -> usize {
     symbol.fields.iter().map(|f| f.ty.words()).sum()
 }
 
-/// The distinct lists of groups that the schedule derives with.
-fn derived_groups(steps: &[system::Step]) -> Vec<Vec<usize>> {
-    fn collect(steps: &[system::Step], found: &mut Vec<Vec<usize>>) {
+/// The distinct rules that the schedule derives with.
+fn rules_of(steps: &[system::Step]) -> Vec<RulesOf> {
+    fn collect(steps: &[system::Step], found: &mut Vec<RulesOf>) {
         for step in steps {
-            match &step.kind {
-                system::StepKind::Derive { groups, .. } if !found.contains(groups) => {
-                    found.push(groups.clone())
-                }
+            let of = match &step.kind {
+                system::StepKind::Derive { groups, .. } => RulesOf::Groups(groups.clone()),
+                system::StepKind::Trace { into } => RulesOf::Trace(*into),
                 system::StepKind::Repeat { body, .. } | system::StepKind::If { body, .. } => {
-                    collect(body, found)
+                    collect(body, found);
+                    continue;
                 }
-                _ => {}
+                _ => continue,
+            };
+            if !found.contains(&of) {
+                found.push(of);
             }
         }
     }
@@ -445,9 +465,17 @@ impl Builder<'_> {
         self.symbols.len() - 1
     }
 
-    fn rule_set(&mut self, groups: Vec<usize>) -> Result<RuleSet, Unsupported> {
+    fn rule_set(&mut self, of: RulesOf) -> Result<RuleSet, Unsupported> {
+        let groups = match &of {
+            RulesOf::Groups(groups) => groups,
+            RulesOf::Trace(into) => {
+                let rules = turtle::rules(self.system, &self.symbols, *into);
+                let stage = Stage { roots: true, ..Stage::new(rules, true, true) };
+                return Ok(RuleSet { of, stages: vec![stage] });
+            }
+        };
         let mut rules = Vec::new();
-        for &g in &groups {
+        for &g in groups {
             for rule in &self.system.groups[g].rules {
                 supported::rule(rule, self.system.kind)?;
                 rules.push(self.rule(rule)?);
@@ -460,7 +488,7 @@ impl Builder<'_> {
             let rules = waiting.into_iter().map(|p| self.split_pending(p)).collect();
             stages.push(Stage::new(rules, false, curve));
         }
-        Ok(RuleSet { groups, stages })
+        Ok(RuleSet { of, stages })
     }
 
     fn rule(&mut self, rule: &Rule) -> Result<(MatchRule, Vec<Production>), Unsupported> {

@@ -195,6 +195,8 @@ impl Surface<'_> {
                 word: None,
                 degree: self.patches.degree,
             },
+            offsets: &[],
+            made: 0,
             window: &[],
             first: 0,
             behind: 0,
@@ -204,7 +206,6 @@ impl Surface<'_> {
             measured_words: 0,
             clock: Clock { step: 0, run_step: 0, seed: 0 },
             linked: None,
-            offsets: &[],
             hangs: &[],
         };
         work.offsets.clear();

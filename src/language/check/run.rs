@@ -6,7 +6,7 @@ use super::{Checker, code, suggest};
 use crate::language::diagnostic::Diagnostic;
 use crate::language::expr::{Expr, Type, Value};
 use crate::language::syntax::{self, DeriveCount, Element, Item, Name, Span};
-use crate::language::system::{BinderPlace, Kind, Step, StepKind, Topology};
+use crate::language::system::{BinderPlace, Kind, Step, StepKind, SymbolId, Topology};
 
 impl<'a> Checker<'a> {
     /// The lowered steps; without a `run:` one step of the unnamed group.
@@ -90,8 +90,7 @@ impl<'a> Checker<'a> {
                 Some(StepKind::Other("deposit"))
             }
             syntax::StepKind::Trace { into } => {
-                self.trace(into, step.span);
-                Some(StepKind::Other("trace"))
+                self.trace(into, step.span).map(|into| StepKind::Trace { into })
             }
         }
     }
@@ -228,19 +227,19 @@ impl<'a> Checker<'a> {
     }
 
     /// The turtle writes points: their module needs a vector, and nothing that it cannot know.
-    fn trace(&mut self, into: &'a Name, span: Span) {
+    fn trace(&mut self, into: &'a Name, span: Span) -> Option<SymbolId> {
         let Kind::Curve(topology) = self.kind else {
             self.wrong_kind("`trace`", span, &[syntax::Kind::Curve]);
-            return;
+            return None;
         };
-        let Some(symbol) = self.symbol(into) else { return };
+        let symbol = self.symbol(into)?;
         self.traced = Some(symbol);
         let fields = self.symbols[symbol].fields.clone();
         let Some(position) = fields.iter().position(|f| matches!(f.ty, Type::Vec2 | Type::Vec3)) else {
             let message = format!("`{}` has no field for the position", into.text);
             let error = Diagnostic::error(code::TRACE, into.span, message);
             self.report(error.hint("the first field of type vec2 or vec3 is the position"));
-            return;
+            return None;
         };
         let others = fields.iter().enumerate().find(|(i, f)| *i != position && f.name != "r");
         if let Some((_, field)) = others {
@@ -258,6 +257,7 @@ impl<'a> Checker<'a> {
             let error = Diagnostic::error(code::TRACE, move_, message);
             self.report(error.label(span, "the ring is traced here"));
         }
+        Some(symbol)
     }
 
     /// The first `f` in the axiom or a successor.
