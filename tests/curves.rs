@@ -1,5 +1,8 @@
 //! Curves: the papers' systems on both backends, their words in closed form, and chunks that nobody sees.
 
+mod engines;
+mod examples;
+
 #[cfg(feature = "gpu")]
 use crate::device;
 use burgeon::cpu::{self, Cpu};
@@ -8,6 +11,8 @@ use burgeon::language::{System, Value};
 use burgeon::plan::derive::{Backend, collect_curve, derive};
 use burgeon::plan::{Options, Plan};
 use std::fmt::Debug;
+#[cfg(feature = "gpu")]
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 struct Job {
     plan: Plan,
@@ -198,7 +203,8 @@ fn every_mutant_of_the_kernels_of_curves_is_seen() {
         let mutant = engine.clone().with_edit(burgeon::codegen::Edit { file, find, replace });
         if !text.contains(find) {
             wrong.push(format!("{file} has no `{find}` any more"));
-        } else if difference(&mutant).is_none() {
+        } else if catch_unwind(AssertUnwindSafe(|| difference(&mutant).is_none())).unwrap_or(false) {
+            // One that derives modules of no symbol is seen, too: the word cannot be read.
             wrong.push(format!("{file}: `{find}` → `{replace}` is not seen"));
         }
     }

@@ -230,8 +230,8 @@ pub struct Devices {}
 
 #[derive(Args)]
 pub struct Bench {
-    /// Which: copy, expand, flops, patch/step, patch/derive, scan, compact, tessellate, language; all of these if left
-    /// out; and tessellate/crowd: ten thousand copies of the patches before a moving camera
+    /// Which: copy, expand, flops, patch/step, patch/derive, curve/derive, curve/step, word/context, scan, compact,
+    /// tessellate, language; patch and curve for both of theirs; all of these if left out; and tessellate/crowd: ten thousand copies of the patches before a moving camera
     #[arg(value_name = "NAME")]
     pub names: Vec<String>,
     /// Patches to derive from, in place of 32 made ones
