@@ -177,15 +177,6 @@ impl Curves {
     fn path(&mut self, node: &Node, transform: &Transform) -> Result<(), Wrong> {
         let Some(attribute) = node.attribute_node("d") else { return Ok(()) };
         let text = attribute.value();
-        // No number holds these letters, so the first one is the first command of its kind.
-        if let Some((at, found)) = text.char_indices().find(|(_, c)| "CcSsQqTtAa".contains(*c)) {
-            let what = match found.to_ascii_uppercase() {
-                'C' | 'S' => "a cubic curve",
-                'Q' | 'T' => "a quadratic curve",
-                _ => "an arc",
-            };
-            return Err(Wrong { offset: place(&attribute, at), problem: Problem::Command { found, what } });
-        }
         let (mut here, mut start, mut curve) = ([0.0; 2], [0.0; 2], Polyline::new());
         for (n, segment) in PathParser::from(text).enumerate() {
             let segment = segment.map_err(|e| of_number(&attribute, &e))?;
@@ -196,12 +187,12 @@ impl Curves {
                 }
                 PathSegment::HorizontalLineTo { abs, x } => [from(abs)[0] + x, here[1]],
                 PathSegment::VerticalLineTo { abs, y } => [here[0], from(abs)[1] + y],
-                // Only this is left: it closes.
-                _ => {
+                PathSegment::ClosePath { .. } => {
                     self.finish(&mut curve);
                     here = start;
                     continue;
                 }
+                _ => return Err(no_line(&attribute, segment.command())),
             };
             let too_large = |e| {
                 let whole = |t: &str| PathParser::from(t).filter(Result::is_ok).count();
@@ -243,6 +234,17 @@ fn numbers<const N: usize>(node: &Node, names: [&str; N]) -> Result<[f64; N], Wr
 
 fn no_lines(node: &Node, found: &str) -> Wrong {
     Wrong { offset: node.range().start, problem: Problem::NoLines { found: found.to_string() } }
+}
+
+/// The first command of a path that draws no line. All before it was read, and numbers do not hold these letters.
+fn no_line(attribute: &Attribute, command: u8) -> Wrong {
+    let at = attribute.value().find(|c: char| "CcSsQqTtAa".contains(c)).unwrap_or(0);
+    let what = match command.to_ascii_uppercase() {
+        b'C' | b'S' => "a cubic curve",
+        b'Q' | b'T' => "a quadratic curve",
+        _ => "an arc",
+    };
+    Wrong { offset: place(attribute, at), problem: Problem::Command { found: command.into(), what } }
 }
 
 fn too_large(offset: usize, (element, x): (Element, f64)) -> Wrong {
