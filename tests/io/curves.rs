@@ -72,7 +72,7 @@ fn svg_refusals() {
         ("<path d='M0 0 L 1 1\n 2 2 1e39 ^1'/>", "x of point 3 is `1e39`, beyond the range"),
         ("<polyline points='0 0 1^'/>", "3 numbers for points"),
         ("<polyline points='0 0 1 ^inf'/>", "`inf` stands where a coordinate should"),
-        ("<polyline points='0 0\n 1 ^-1e39'/>", "y of point 1 is `1e39`, beyond the range"),
+        ("<polyline points='0 0\n 1 -^1e39'/>", "y of point 1 is `1e39`, beyond the range"),
         ("^<circle r='1'/>", "circle"),
         ("<g>^<use href='#a'/></g>", "use"),
         ("^<rect width='1' height='1' rx='0.1'/>", "round corners"),
