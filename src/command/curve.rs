@@ -11,7 +11,7 @@ use burgeon::io::curves::{self, Picture, Style};
 use burgeon::language::system::Topology;
 use burgeon::plan::derive::{self, StepStats};
 use burgeon::plan::{Options, Progress};
-use std::path::PathBuf;
+use std::path::Path;
 use std::time::Instant;
 
 /// What curves are written as.
@@ -66,7 +66,7 @@ pub fn run(flags: &flags::Run) -> Result<(), Failure> {
 /// The larger side of a .png.
 const PIXELS: u32 = 960;
 
-fn write(path: &PathBuf, word: &Word, style: &Style) -> Result<(), Failure> {
+fn write(path: &Path, word: &Word, style: &Style) -> Result<(), Failure> {
     let is = |extension| load::has_extension(path, extension);
     let picture = || Picture::of(&[word], style);
     match () {
