@@ -10,7 +10,7 @@ use burgeon::patch::{Axiom, Net};
 use burgeon::plan::Plan;
 use burgeon::plan::derive::{Backend, Outcome, StageId};
 use burgeon::plan::step::Clock;
-use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
 
 const CONDITIONAL: &str = "system conditional : patch bezier 3\nmodule P(l: int)\n\
@@ -46,6 +46,51 @@ fn step(c: &mut Criterion) {
     group.finish();
 }
 
+/// The same symbols in their contexts, rewritten here and by `symbios`, which works on one thread.
+fn words(c: &mut Criterion) {
+    const LENGTH: usize = 3 << 16;
+    let system = compile(include_str!("../src/command/bench/symbols.burgeon"), &Vocabulary::default());
+    let plan = Plan::new(&system.systems[0]).expect("a plan");
+    let mut group = c.benchmark_group("word/context");
+    group.throughput(Throughput::Elements(LENGTH as u64)).sample_size(10);
+    for threads in [1, 2] {
+        let mut cpu = Cpu::new(&plan, &[], threads).expect("threads");
+        let record = |n: usize| [n as u32 % 3, 0, 0, 0];
+        let chunk = cpu.upload((0..LENGTH).flat_map(record).collect(), Vec::new()).expect("a chunk");
+        let chunk = cpu.join(vec![chunk], false).expect("a word").remove(0);
+        group.bench_function(format!("burgeon, {threads} threads"), |b| {
+            b.iter(|| match cpu.step(FIRST, Clock::default(), &chunk, u64::MAX) {
+                Ok(Outcome::Done { next: Some(next), .. }) => {
+                    // The two at the ends keep themselves.
+                    assert_eq!(cpu.len(&next), LENGTH / 3 * 5 - 1);
+                    cpu.recycle(next);
+                }
+                _ => panic!("the step makes modules"),
+            })
+        });
+    }
+    group.bench_function("symbios", |b| {
+        let made = || {
+            let mut symbols = symbios::System::new();
+            symbols.max_capacity = 4 * LENGTH;
+            for rule in ["C < A > B -> A C", "A < B > C -> B A", "B < C > A -> C"] {
+                symbols.add_rule(rule).expect("a rule");
+            }
+            symbols.set_axiom(&"A B C ".repeat(LENGTH / 3)).expect("an axiom");
+            symbols
+        };
+        b.iter_batched_ref(
+            made,
+            |symbols| {
+                symbols.derive(1).expect("a step");
+                assert_eq!(symbols.state.len(), LENGTH / 3 * 5 - 1);
+            },
+            BatchSize::PerIteration,
+        )
+    });
+    group.finish();
+}
+
 fn scans(c: &mut Criterion) {
     let source: Vec<u32> = (0..1u32 << 20).map(|i| i.wrapping_mul(2_654_435_769) >> 30).collect();
     let mut offsets = vec![0; source.len() + 1];
@@ -67,5 +112,5 @@ fn language(c: &mut Criterion) {
     });
 }
 
-criterion_group!(benches, step, scans, language);
+criterion_group!(benches, step, words, scans, language);
 criterion_main!(benches);

@@ -1,6 +1,7 @@
 //! The command, from the outside: the built binary in folders of its own.
 
 mod bad_input;
+mod curves;
 #[cfg(feature = "gpu")]
 mod devices;
 mod formats;

@@ -1,5 +1,8 @@
 //! Curves: the papers' systems on both backends, their words in closed form, and chunks that nobody sees.
 
+mod engines;
+mod examples;
+
 #[cfg(feature = "gpu")]
 use crate::device;
 use burgeon::cpu::{self, Cpu};
@@ -246,8 +249,7 @@ fn every_mutant_of_the_kernels_of_curves_is_seen() {
         let mutant = engine.clone().with_edit(burgeon::codegen::Edit { file, find, replace });
         if !text.contains(find) {
             wrong.push(format!("{file} has no `{find}` any more"));
-        // What it left unwritten may be a symbol that there is not.
-        } else if catch_unwind(AssertUnwindSafe(|| difference(&mutant))).is_ok_and(|d| d.is_none()) {
+        } else if difference(&mutant).is_none() {
             wrong.push(format!("{file}: `{find}` → `{replace}` is not seen"));
         }
     }

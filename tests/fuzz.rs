@@ -10,7 +10,7 @@ mod texts;
 
 use crate::oracle::Random;
 use arbitrary::{Result, Unstructured};
-use checks::{check_files, check_rules, check_values};
+use checks::{check_curves, check_files, check_rules, check_values};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 use texts::{corpus, nearly_right, otherwise_right};
@@ -65,6 +65,18 @@ fn files_of_nets_that_are_nearly_right() {
     // Most of a long file says the same again and again.
     texts.iter_mut().for_each(|t| t.truncate(t.floor_char_boundary(3000)));
     let whole = fuzz(&texts, 0x5eed_0002, nearly_right, |text| check_files(text.as_bytes()));
+    assert!(whole > INPUTS / 20, "only {whole} files of {INPUTS} texts");
+}
+
+#[test]
+fn curves_that_are_nearly_right() {
+    let svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 9 9\">\n<g transform=\"translate(1 2) scale(3)\">\n\
+        <path d=\"M 1 1 L 2 1 H 3 v 4 Z m 2 2 l 1e3 -.5\"/>\n<polygon points=\"1,1 3,1 3,2 1,2\" id=\"a\"/> \
+        <rect x=\"1\" y=\"2\" width=\"3\" height=\"4\" />\n</g>\n<line x2=\"3\" transform=\"rotate(45)\" /> \
+        <circle r=\"2\"/>\n</svg>\n";
+    let obj = "v 0 0 0\nv 1 0 0.5 1\nv 2 1 0\nl 1 2 3\nl 1 3 -1 1\n";
+    let texts = [svg, obj, "x,y\n1,2\n3,4\n\n5,6\n", "1,2,3\n4,5,6\n-1e3,0,.5\n"].map(String::from);
+    let whole = fuzz(&texts, 0x5eed_0005, nearly_right, |text| check_curves(text.as_bytes()));
     assert!(whole > INPUTS / 20, "only {whole} files of {INPUTS} texts");
 }
 

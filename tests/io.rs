@@ -2,6 +2,7 @@
 
 mod bspline;
 mod bv;
+mod curves;
 mod meshes;
 
 use burgeon::io::{Element, Problem, WriteError, bpt, write_atomically};

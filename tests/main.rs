@@ -5,7 +5,6 @@ mod check;
 mod command;
 #[cfg(feature = "gpu")]
 mod conformance;
-mod curve_oracle;
 mod curves;
 #[cfg(feature = "gpu")]
 mod degrees;

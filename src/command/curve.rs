@@ -6,25 +6,30 @@ use super::progress::Bar;
 use super::run::{self, milliseconds};
 use super::{Failure, counted, flags, print, stop};
 use burgeon::curve::Word;
-use burgeon::io::{self, curves};
+use burgeon::io;
+use burgeon::io::curves::{self, Picture, Style};
 use burgeon::language::system::Topology;
 use burgeon::plan::derive::{self, StepStats};
 use burgeon::plan::{Options, Progress};
-use std::path::PathBuf;
+use std::path::Path;
 use std::time::Instant;
 
 /// What curves are written as.
-const FORMATS: [&str; 4] = ["svg", "obj", "csv", "json"];
+const FORMATS: [&str; 5] = ["svg", "png", "obj", "csv", "json"];
 
 /// Derives and writes.
 pub fn run(flags: &flags::Run) -> Result<(), Failure> {
     let start = Instant::now();
     if let Some(path) = flags.out.iter().find(|path| !FORMATS.iter().any(|e| load::has_extension(path, e))) {
-        let what = "curves are written as .svg, .obj, .csv or .json";
+        let what = "curves are written as .svg, .png, .obj, .csv or .json";
         return Err(Failure::Usage(format!("error: --out {}: {what}", path.display())));
     }
     if flags.fineness.tolerance.is_some() {
         let what = "--tolerance is for patches; a curve is as fine as its rules make it";
+        return Err(Failure::Usage(format!("error: {what}")));
+    }
+    if flags.drawing.wireframe || flags.by_symbol {
+        let what = "--wireframe and --by-symbol are for patches";
         return Err(Failure::Usage(format!("error: {what}")));
     }
     let job = load::job(&flags.derive, false)?;
@@ -37,9 +42,11 @@ pub fn run(flags: &flags::Run) -> Result<(), Failure> {
         bar.clear();
     }
     let derived = derived?;
-    let style = curves::svg::Style {
+    let style = Style {
         control: flags.control.then(|| control(&job)).transpose()?,
         points: flags.points,
+        up: flags.drawing.up.into(),
+        ..Style::default()
     };
     let mut failures = Vec::new();
     for path in &flags.out {
@@ -56,10 +63,15 @@ pub fn run(flags: &flags::Run) -> Result<(), Failure> {
     print(&format!("{system}: {steps}, {modules}\n"))
 }
 
-fn write(path: &PathBuf, word: &Word, style: &curves::svg::Style) -> Result<(), Failure> {
+/// The larger side of a .png.
+const PIXELS: u32 = 960;
+
+fn write(path: &Path, word: &Word, style: &Style) -> Result<(), Failure> {
     let is = |extension| load::has_extension(path, extension);
+    let picture = || Picture::of(&[word], style);
     match () {
-        () if is("svg") => file(path, |w| curves::svg::write(w, word, style)),
+        () if is("svg") => file(path, |w| curves::svg::write(w, &picture()?)),
+        () if is("png") => file(path, |w| io::png::write(w, &curves::raster::draw(&picture()?, PIXELS))),
         () if is("obj") => file(path, |w| io::obj::write_lines(w, word)),
         () if is("csv") => file(path, |w| curves::csv::write(w, word)),
         () => file(path, |w| curves::json::write(w, word)),

@@ -27,7 +27,7 @@ pub struct Run {
     #[command(flatten)]
     pub derive: Derive,
     /// Write the result, by extension: .bpt and .bv the nets, .json the exact word, .obj, .ply and .glb
-    /// triangles, .png a picture; curves as .svg, .obj, .csv and .json; may be given several times
+    /// triangles, .png a picture; curves as .svg, .png, .obj, .csv and .json; may be given several times
     #[arg(long, value_name = "FILE")]
     pub out: Vec<PathBuf>,
     /// Where it runs: auto takes a hardware adapter, else a software one, else the CPU backend
@@ -44,10 +44,10 @@ pub struct Run {
     /// Colour the picture by the symbols of the modules
     #[arg(long)]
     pub by_symbol: bool,
-    /// Mark the points of a curve in its .svg
+    /// Mark the points of a curve in its .svg and .png
     #[arg(long)]
     pub points: bool,
-    /// Draw the polygon that a curve begins with into its .svg
+    /// Draw the polygon that a curve begins with into its .svg and .png
     #[arg(long)]
     pub control: bool,
     /// Print one line of JSON: backend, adapter, compile_ms, steps (modules, ms), total_ms, peak_bytes;
@@ -112,7 +112,8 @@ pub enum Tolerance {
 /// What a picture looks like.
 #[derive(Args)]
 pub struct Drawing {
-    /// The axis that points up in the picture; in .glb, which has y up, a z is turned there
+    /// The axis that points up in the picture, of curves without the other one; in .glb, which has y up, a z is
+    /// turned there
     #[arg(long, value_name = "AXIS", value_enum, default_value_t = Up::Y)]
     pub up: Up,
     /// Draw the edges of all triangles in the picture
@@ -140,7 +141,8 @@ pub struct Machine {
 pub struct Derive {
     #[command(flatten)]
     pub system: System,
-    /// Read the patches from here, in place of the first file that the axiom names: .bpt, .bv, .json
+    /// Read the patches from here, in place of the first file that the axiom names: .bpt, .bv, .json; points of
+    /// curves: .csv, .svg, .obj
     #[arg(long = "in", value_name = "FILE")]
     pub input: Option<PathBuf>,
     /// Read an .obj, too: a grid of quads, as the control points of a uniform bicubic B-spline
@@ -228,8 +230,8 @@ pub struct Devices {}
 
 #[derive(Args)]
 pub struct Bench {
-    /// Which: copy, expand, flops, patch/step, patch/derive, scan, compact, tessellate, language; all of these if left
-    /// out; and tessellate/crowd: ten thousand copies of the patches before a moving camera
+    /// Which: copy, expand, flops, patch/step, patch/derive, curve/derive, curve/step, word/context, scan, compact,
+    /// tessellate, language; patch and curve for both of theirs; all of these if left out; and tessellate/crowd: ten thousand copies of the patches before a moving camera
     #[arg(value_name = "NAME")]
     pub names: Vec<String>,
     /// Patches to derive from, in place of 32 made ones

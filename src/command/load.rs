@@ -34,6 +34,11 @@ impl Source {
             let help = "help: give the rule file here, and the patches by --in";
             return Err(Failure::Usage(format!("{what}\n{help}")));
         }
+        if ["csv", "svg"].iter().any(|e| has_extension(path, e)) {
+            let what = format!("error: {} holds points, not rules", path.display());
+            let help = "help: give the rule file here, and the points by --in";
+            return Err(Failure::Usage(format!("{what}\n{help}")));
+        }
         let bytes = std::fs::read(path).map_err(|e| unreadable_rules(path, &e))?;
         let name = path.display().to_string();
         let text = match lex::decode(&bytes) {

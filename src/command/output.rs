@@ -95,7 +95,13 @@ pub struct Look<'a> {
 
 impl Look<'_> {
     fn up(&self) -> Up {
-        match self.drawing.up {
+        self.drawing.up.into()
+    }
+}
+
+impl From<flags::Up> for Up {
+    fn from(up: flags::Up) -> Up {
+        match up {
             flags::Up::Y => Up::Y,
             flags::Up::Z => Up::Z,
         }

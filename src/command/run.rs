@@ -17,7 +17,7 @@ pub fn run(flags: &flags::Run) -> Result<(), Failure> {
         return super::curve::run(flags);
     }
     if flags.points || flags.control {
-        let what = "--points and --control are for the .svg of a curve";
+        let what = "--points and --control are for the pictures of a curve";
         return Err(Failure::Usage(format!("error: {what}")));
     }
     let targets = output::targets(&flags.out, &output::ALL)?;

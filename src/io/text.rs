@@ -101,6 +101,31 @@ pub enum Problem {
     NotAValue { found: String },
     #[error("this line is no {ty}: {wanted}")]
     OtherType { ty: Type, wanted: &'static str },
+    #[error(
+        "the path command `{found}` draws {what}; M, L, H, V and Z are read: flatten the path to lines first"
+    )]
+    Command { found: char, what: &'static str },
+    #[error(
+        "{found} stands where a number or one of the path commands M, L, H, V and Z should, of which M is the first"
+    )]
+    PathData { found: String },
+    #[error("{found} stands where a coordinate should: points are numbers, `x,y x,y`")]
+    PointList { found: String },
+    #[error("{found} numbers for points: each has an x and a y")]
+    OddPoints { found: usize },
+    #[error(
+        "a {found} is not read; path, polyline, polygon, line and rect are: turn it into a path of lines first"
+    )]
+    NoLines { found: String },
+    #[error("{name} is `{found}`, which is none")]
+    Attribute { name: String, found: String },
+    #[error("the file begins with <{found}>; an .svg begins with <svg>")]
+    NotSvg { found: String },
+    #[error("the file draws no lines; path, polyline, polygon, line and rect are read")]
+    NoCurves,
+    /// In the words of the XML reader.
+    #[error("{0}")]
+    Xml(String),
     /// In the words of the JSON reader.
     #[error("{0}")]
     Json(String),

@@ -36,8 +36,8 @@ pub const MAX_HALVINGS: u8 = 31;
 /// Words of the record of a patch module before its parameters.
 pub const HEADER_WORDS: usize = 6;
 
-/// Modules that a chunk of a curve's word holds beside its own on either side: from the first of 8 predecessors the
-/// context behind the last is 8 deep, and asks for the end behind that.
+/// Modules that a chunk of a curve's word holds beside its own on either side: a context is 8 deep and may end the word,
+/// and on the right it stands behind up to 8 strict predecessors, the first of which is the module itself.
 pub const HALO: usize = 16;
 
 /// The symbol that stands beyond the ends of an open word.

@@ -3,12 +3,13 @@
 use burgeon::codegen::{self, Tuning};
 use burgeon::language::expr::Type;
 use burgeon::language::print::print;
+use burgeon::language::system::Topology;
 use burgeon::language::vocabulary::Vocabulary;
-use burgeon::language::{Span, System, compile, diagnostic, parse};
+use burgeon::language::{Span, System, Value, compile, diagnostic, parse};
 use burgeon::patch::{self, Axiom, Net, Word};
 use burgeon::plan::derive::StageId;
 use burgeon::plan::{Options, Plan};
-use burgeon::{cpu, io};
+use burgeon::{cpu, curve, io};
 
 fn assert_inside(span: Span, text: &str) {
     let (start, end) = (span.start as usize, span.end as usize);
@@ -107,6 +108,46 @@ pub fn check_files(bytes: &[u8]) -> u64 {
                 Ok(nets) => whole += check_nets(&nets),
                 Err(e) => assert!(e.line >= 1 && e.line <= lines && e.column >= 1, "{e}"),
             }
+        }
+    }
+    whole
+}
+
+/// Every reader of curves, on one text: what it accepts is whole, is drawn, and comes back from what is drawn. Returns
+/// how many accepted it.
+pub fn check_curves(bytes: &[u8]) -> u64 {
+    let lines = bytes.split(|b| *b == b'\n').count();
+    let mut whole = 0;
+    for parse in [io::curves::csv::parse, io::obj::lines, io::curves::svg::parse] {
+        let curves = match parse(bytes) {
+            Ok(curves) => curves,
+            Err(e) => {
+                assert!(e.line >= 1 && e.line <= lines && e.column >= 1, "{e}");
+                continue;
+            }
+        };
+        whole += 1;
+        for curve in curves {
+            assert!(curve.iter().flatten().all(|x| x.is_finite()), "{curve:?}");
+            let points = curve.iter().map(|&[x, y, z, _]| Value::Vec3([x, y, z]));
+            let module = |point| curve::Module { symbol: 0, params: vec![point], path: 0 };
+            let word = curve::Word {
+                system: "s".to_string(),
+                steps: 0,
+                topology: Topology::Ring,
+                symbols: vec![patch::Symbol { name: "P".to_string(), fields: Vec::new() }],
+                modules: points.map(module).collect(),
+            };
+            let picture = io::curves::Picture::of(&[&word], &Default::default()).expect("finite points");
+            io::curves::raster::draw(&picture, 40);
+            let mut text = Vec::new();
+            io::curves::svg::write(&mut text, &picture).expect("memory");
+            if curve.is_empty() {
+                continue;
+            }
+            let again = io::curves::svg::parse(&text).expect("what is drawn is read");
+            let ends = usize::from(curve.len() > 1 && curve[0][..2] == curve[curve.len() - 1][..2]);
+            assert!(again.len() == 1 && again[0].len() == curve.len() - ends, "{again:?}");
         }
     }
     whole

@@ -69,6 +69,8 @@ impl Adapter {
                 cases.push(frontier_case(plan, backend(&engine, plan)?, frontier, ("gpu", 0), of_gpu)?);
             }
         }
+        let curves = (&plans.chaikin, &plans.symbols);
+        super::words::cases(curves, |plan| backend(&engine, plan), wanted, ("gpu", 0), of_gpu, cases)?;
         if wanted("tessellate") {
             tessellations(&engine, roots, crowd, cases)?;
         }

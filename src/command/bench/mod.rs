@@ -14,6 +14,7 @@ mod patches;
 mod report;
 mod systems;
 mod tessellation;
+mod words;
 
 use super::{Failure, flags, print};
 use gpu::Adapter;
@@ -23,12 +24,15 @@ use std::time::{Duration, Instant};
 use systems::{Plans, roots};
 
 /// The names a call may give.
-const NAMES: [&str; 10] = [
+const NAMES: [&str; 13] = [
     "copy",
     "expand",
     "flops",
     "patch/step",
     "patch/derive",
+    "curve/derive",
+    "curve/step",
+    "word/context",
     "scan",
     "compact",
     "tessellate",
@@ -79,17 +83,24 @@ fn timed<E>(work: impl FnOnce() -> Result<(), E>, fail: impl Fn(E) -> Failure) -
     Ok(start.elapsed())
 }
 
+/// A name, or what stands before its `/`.
+fn asks_for(given: &str, name: &str) -> bool {
+    name.strip_prefix(given).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+}
+
 /// Measures and prints.
 pub fn bench(flags: &flags::Bench) -> Result<(), Failure> {
     for name in &flags.names {
-        if !NAMES.contains(&name.as_str()) {
+        if !NAMES.iter().any(|n| asks_for(name, n)) {
             let list = NAMES.join(", ");
             return Err(Failure::Usage(format!("error: there is no bench `{name}`; there are {list}")));
         }
     }
     // The bandwidth is the yardstick of every other case, so it always runs.
     let wanted = |name: &str| {
-        flags.names.is_empty() || flags.names.iter().any(|n| n == name) || matches!(name, "copy" | "expand")
+        flags.names.is_empty()
+            || flags.names.iter().any(|n| asks_for(n, name))
+            || matches!(name, "copy" | "expand")
     };
     let roots = roots(flags.input.as_deref())?;
     let plans = Plans::new()?;
@@ -102,6 +113,7 @@ pub fn bench(flags: &flags::Bench) -> Result<(), Failure> {
     if wanted("patch/derive") {
         derive_cases(&plans, &roots, flags.levels, &mut cases)?;
     }
+    words::cpu_cases((&plans.chaikin, &plans.symbols), &wanted, &mut cases)?;
     if wanted("scan") || wanted("compact") {
         scan_cases(&mut cases);
         cases.retain(|c| wanted(c.name));

@@ -1,6 +1,6 @@
 //! What is measured: systems, and the nets they start from.
 
-use super::Failure;
+use super::{Failure, words};
 use burgeon::language::check::compile;
 use burgeon::language::vocabulary::Vocabulary;
 use burgeon::patch::{self, Axiom, Net, Root};
@@ -18,6 +18,9 @@ pub(super) struct Plans {
     pub(super) others: Vec<(String, Plan)>,
     /// Only modules with a positive parameter stay on the frontier.
     pub(super) frontier: Plan,
+    /// Curves.
+    pub(super) chaikin: Plan,
+    pub(super) symbols: Plan,
 }
 
 pub(super) const PLAIN: &str = "system plain : patch bezier 3\nmodule P\naxiom: P = file \"roots.bpt\"\nrules:\n  \
@@ -48,6 +51,8 @@ impl Plans {
             levels: plan(&levels)?,
             others: others.collect::<Result<_, Failure>>()?,
             frontier: plan(FRONTIER)?,
+            chaikin: plan(words::CHAIKIN)?,
+            symbols: plan(words::SYMBOLS)?,
         })
     }
 }

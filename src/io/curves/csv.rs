@@ -39,7 +39,8 @@ fn curves(text: &[u8]) -> Result<Vec<Polyline>, Wrong> {
         let mut values = Vec::new();
         let mut at = start;
         for cell in line.split(|&byte| byte == b',') {
-            let blank = cell.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
+            // An empty cell is wrong where it begins, not behind its line break.
+            let blank = cell.iter().position(|byte| !byte.is_ascii_whitespace()).unwrap_or(0);
             let token = Token { text: cell.trim_ascii(), offset: at + blank };
             values.push(token.finite(Element::CurveCoordinate { point, axis: values.len().min(3) })?);
             at += cell.len() + 1;

@@ -1,0 +1,77 @@
+//! Curves by the command: what is read, what is drawn, and how bad files of points are told of.
+
+use super::*;
+
+const CURVE: &str = "system c : curve ring\nmodule P(v: vec2)\naxiom: file \"points.csv\"\nrules:\n  \
+                     P(vl) < P(v) > P(vr) -> P(1/4*vl + 3/4*v) P(3/4*v + 1/4*vr)\nrun:\n  derive 2\n";
+
+fn with_points() -> Folder {
+    let folder = Folder::new();
+    folder.write("c.burgeon", CURVE);
+    folder.write("points.csv", "x,y\n0,0\n4,0\n4,3\n");
+    folder
+}
+
+#[test]
+fn every_format_of_curves_is_written() {
+    let folder = with_points();
+    let run = ["run", "c.burgeon", "--backend", "cpu", "--points", "--control"];
+    let outs = ["--out", "a.svg", "--out", "a.png", "--out", "a.csv", "--out", "a.obj", "--out", "a.json"];
+    let ran = folder.run(&[&run[..], &outs].concat());
+    assert_eq!(ran.succeeds().stdout, "c: 2 steps, 12 modules\n");
+    assert!(outs.iter().filter(|out| out.starts_with('a')).all(|out| folder.holds(out)));
+    // The control polygon is the first curve of the picture, the word the second.
+    folder.write(
+        "again.burgeon",
+        CURVE.replace("file \"points.csv\"", "file \"a.svg\"[1]").replace("derive 2", "derive 0"),
+    );
+    for (out, from) in [("b.csv", "again.burgeon"), ("c.csv", "c.burgeon")] {
+        let more = if from == "c.burgeon" {
+            ["--in", "a.csv", "--steps", "0"]
+        } else {
+            ["--steps", "0", "--out", "b.obj"]
+        };
+        folder.run(&[&["run", from, "--backend", "cpu", "--out", out][..], &more].concat()).succeeds();
+    }
+    assert_eq!(folder.read("b.csv"), folder.read("c.csv"));
+    assert_eq!(folder.read("b.csv"), folder.read("a.csv"));
+}
+
+#[test]
+fn bad_files_of_points_are_shown_with_their_place() {
+    let folder = with_points();
+    let cases = [
+        ("none.csv", "", "none.csv:1:1: the file ends where point 0 should stand"),
+        ("short.csv", "0,0\n1\n", "short.csv:2:1: 1 numbers in this row, and 2 in the first"),
+        ("nan.csv", "0,0\n1,nan\n", "nan.csv:2:3: y of point 1 is `nan`; coordinates must be finite"),
+        ("none.obj", "# nothing\n", "none.obj:1:10: the file ends where vertex 1 should stand"),
+        ("none.svg", "", "none.svg:1:1: the file is empty"),
+        (
+            "round.svg",
+            "<svg>\n<path d='M0 0C1 1 2 2 3 3'/>\n</svg>",
+            "round.svg:2:14: the path command `C` draws a cubic curve",
+        ),
+        ("circle.svg", "<svg><circle r='1'/></svg>", "circle.svg:1:6: a circle is not read"),
+        ("points.txt", "0 0\n", "the points of curves are read from .obj, .csv and .svg"),
+    ];
+    for (file, text, says) in cases {
+        folder.write(file, text);
+        let ran =
+            folder.run_in_vain(&["run", "c.burgeon", "--backend", "cpu", "--in", file, "--out", "a.svg"]);
+        ran.fails(1, &[says]);
+    }
+    folder.write("long.csv", format!("0,0\n1,{}\n", "9".repeat(5_000_000)));
+    let ran = folder.run_in_vain(&["run", "c.burgeon", "--backend", "cpu", "--in", "long.csv"]);
+    ran.fails(1, &["long.csv:2:3:", "beyond the range"]);
+    assert!(ran.stderr.lines().all(|line| line.chars().count() <= 200), "{ran:?}");
+}
+
+#[test]
+fn flags_of_patches_are_refused() {
+    let folder = with_points();
+    for flag in ["--wireframe", "--by-symbol"] {
+        let ran = folder.run_in_vain(&["run", "c.burgeon", "--backend", "cpu", flag, "--out", "a.png"]);
+        ran.fails(2, &["--wireframe and --by-symbol are for patches"]);
+    }
+    folder.run_in_vain(&["run", "points.csv"]).fails(2, &["points.csv holds points, not rules"]);
+}
