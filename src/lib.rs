@@ -150,6 +150,7 @@
 //! the origin towards it first: at a distance of 10⁶ units coordinates are 1/16 apart. Coordinates below
 //! 1.2·10⁻³⁸ are denormal, and GPUs may round them to 0, so that there the backends may differ.
 #![forbid(unsafe_code)]
+pub mod affine;
 pub mod codegen;
 #[cfg(feature = "gpu")]
 pub mod conformance;
