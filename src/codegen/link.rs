@@ -44,6 +44,7 @@ const FILES: &[(&str, &str)] = files![
     "proceed"
     "retire"
     "scan"
+    "stencil"
     "tessellate/adopt"
     "tessellate/advance"
     "tessellate/afford"

@@ -15,6 +15,7 @@ pub mod measure;
 pub mod program;
 pub mod retire;
 pub mod scan;
+pub mod stencil;
 pub mod tessellate;
 
 use crate::language::expr::Value;

@@ -8,6 +8,7 @@ use crate::plan::layout::Layout;
 use crate::plan::step::{self, Column, Pass};
 
 /// One compute pipeline; `stages` of it where a pass takes several dispatches.
+#[derive(Debug)]
 pub struct Kernel {
     pub layout: wgpu::BindGroupLayout,
     pub pipelines: Vec<wgpu::ComputePipeline>,
