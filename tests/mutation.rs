@@ -427,7 +427,8 @@ fn every_file_has_mutants() {
             let other = ["copy", "expand", "picture", "shared", "tessellate"].contains(&name.as_str());
             let count = all.iter().filter(|m| m.0 == name).count()
                 + crate::runs::mutants_of(&name)
-                + crate::curves::mutants_of(&name);
+                + crate::curves::mutants_of(&name)
+                + crate::affine::mutants_of(&name);
             assert!(other || count >= 2, "{} has {count} mutants", path.display());
         }
     }

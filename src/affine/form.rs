@@ -41,8 +41,10 @@ impl Point {
 
     fn times(&self, factor: Number) -> Point {
         let product = |&(i, x): &(u32, Number)| (i, x.mul(factor));
-        let mut scaled =
-            Point { row: self.row.iter().map(product).collect(), rounding: self.rounding * factor.to_f64().abs() };
+        let mut scaled = Point {
+            row: self.row.iter().map(product).collect(),
+            rounding: self.rounding * factor.to_f64().abs(),
+        };
         scaled.row.retain(|(_, x)| !x.is_zero());
         scaled
     }
@@ -128,7 +130,8 @@ pub struct Scope<'a> {
 pub fn evaluate(e: &Expr, scope: &Scope) -> Form {
     let other = |what: &str| Form::Other(what.to_string(), e.span);
     let all = |args: &[Expr]| args.iter().map(|a| evaluate(a, scope)).collect::<Vec<_>>();
-    let named = |forms: &[Form], n: usize| forms.get(n).cloned().unwrap_or_else(|| other("a name has no value"));
+    let named =
+        |forms: &[Form], n: usize| forms.get(n).cloned().unwrap_or_else(|| other("a name has no value"));
     match &e.kind {
         ExprKind::Literal(value) => Form::known(value.clone(), scope.exact),
         ExprKind::Binder(n) => named(scope.fields, *n),
@@ -136,7 +139,9 @@ pub fn evaluate(e: &Expr, scope: &Scope) -> Form {
         ExprKind::Uniform(n) => named(scope.uniforms, *n),
         ExprKind::Attribute("step") => Form::known(Value::Int(scope.step as i32), scope.exact),
         ExprKind::Attribute(name) => other(&format!("it depends on `{name}`")),
-        ExprKind::Call(op, args) => call(op.row().name, &all(args), e, scope.exact, &|values| eval::apply(*op, values)),
+        ExprKind::Call(op, args) => {
+            call(op.row().name, &all(args), e, scope.exact, &|values| eval::apply(*op, values))
+        }
         ExprKind::Vector(args) => match known(&all(args)) {
             Ok(values) => {
                 let literals = values.into_iter().map(|v| Expr::literal(v, e.span)).collect();
@@ -193,9 +198,7 @@ fn call(name: &str, args: &[Form], e: &Expr, exact: bool, apply: &dyn Fn(&[Value
             None => Form::Other(format!("`{name}` has no value here"), e.span),
         },
         Err(Some(why)) => why,
-        Err(None) => {
-            combination(name, args).map_or_else(|what| Form::Other(what, e.span), Form::Point)
-        }
+        Err(None) => combination(name, args).map_or_else(|what| Form::Other(what, e.span), Form::Point),
     }
 }
 
@@ -227,8 +230,12 @@ fn combination(name: &str, args: &[Form]) -> Result<Point, String> {
             let b = if name == "-" { b.times(Number::whole(-1)) } else { b };
             Ok(a.plus(&b).rounded())
         }
-        ("*", [P(a), Known(Value::Float(_), x)] | [Known(Value::Float(_), x), P(a)]) => Ok(a.times(*x).rounded()),
-        ("/", [P(a), Known(Value::Float(_), x)]) if !x.is_zero() => Ok(a.times(Number::ONE.div(*x)).rounded()),
+        ("*", [P(a), Known(Value::Float(_), x)] | [Known(Value::Float(_), x), P(a)]) => {
+            Ok(a.times(*x).rounded())
+        }
+        ("/", [P(a), Known(Value::Float(_), x)]) if !x.is_zero() => {
+            Ok(a.times(Number::ONE.div(*x)).rounded())
+        }
         ("*", [P(_), P(_)]) => Err("points are multiplied with each other".to_string()),
         // (a - a·t) + b·t
         ("mix", [a, b, Known(Value::Float(_), t)]) => {

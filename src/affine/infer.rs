@@ -18,16 +18,16 @@ pub enum InferError {
     Empty,
     #[error("row {row}, column {column}: `{text}` is no number and no fraction such as 3/4")]
     Entry { row: usize, column: usize, text: String },
-    #[error("row {row}: its last column is {found}, and {first} in row 1")]
+    #[error("row {row} ends at column {found}, row 1 at column {first}")]
     Ragged { row: usize, found: usize, first: usize },
     #[error("{rows} rows and {columns} columns: neither number is a multiple of the other")]
     Size { rows: usize, columns: usize },
     #[error(
-        "row {row}, column {column}: not periodic: {found} stands here, and {expected} in row {above}, \
-         {height} rows before and {width} columns to the left"
+        "row {row}, column {column}: not periodic: {found} stands here, and {expected} one module before, in row {above}, \
+         column {left}"
     )]
-    Period { row: usize, column: usize, found: String, expected: String, above: usize, height: usize, width: usize },
-    #[error("row {row}, column {column}: not banded: no column is without an entry in the rows of one module")]
+    Period { row: usize, column: usize, found: String, expected: String, above: usize, left: usize },
+    #[error("row {row}, column {column}: not banded: the rows of one module have entries in every column")]
     Band { row: usize, column: usize },
     #[error(
         "row {row}, column {column}: this entry asks for a context {depth} deep on the {side}; \
@@ -169,8 +169,7 @@ impl Production {
                 found: matrix.get(row, column).to_string(),
                 expected: matrix.get(above, left).to_string(),
                 above: above + 1,
-                height,
-                width,
+                left: left + 1,
             });
         }
         let lines: Vec<usize> =
@@ -212,7 +211,8 @@ impl Production {
             _ if place < width => format!("v{}", char::from(b'a' + place as u8)),
             _ => format!("v{}", "r".repeat((place - width + 1) as usize)),
         };
-        let pattern = |place: i64| if read(place) { format!("P({})", name(place)) } else { "P(_)".to_string() };
+        let pattern =
+            |place: i64| if read(place) { format!("P({})", name(place)) } else { "P(_)".to_string() };
         let patterns = |places: std::ops::Range<i64>| places.map(pattern).collect::<Vec<_>>().join(" ");
         let mut text = String::new();
         if self.low < 0 {

@@ -69,7 +69,8 @@ impl Rules {
         let mut symbols = rules.filter_map(|rule| rule.strict.first());
         let has_point = |s: &&usize| point_field(&system.symbols[**s].fields).is_some();
         let Some(&symbol) = symbols.find(has_point) else {
-            let message = format!("no rule of {} rewrites a module with a point (a vec2, vec3 or vec4)", system.name);
+            let message =
+                format!("no rule of {} rewrites a module with a point (a vec2, vec3 or vec4)", system.name);
             return Err(Error::Rules(message));
         };
         let span = system.source.name.span;
@@ -126,8 +127,13 @@ fn groups(system: &System, with: &[&str]) -> Result<Vec<usize>, Error> {
     }
     let group = |name: &&str| {
         index(name).ok_or_else(|| {
-            let names: Vec<&str> = system.groups.iter().map(|g| g.name.as_str()).filter(|n| !n.is_empty()).collect();
-            let has = if names.is_empty() { "has no named groups".into() } else { format!("has {}", names.join(", ")) };
+            let names: Vec<&str> =
+                system.groups.iter().map(|g| g.name.as_str()).filter(|n| !n.is_empty()).collect();
+            let has = if names.is_empty() {
+                "has no named groups".into()
+            } else {
+                format!("has {}", names.join(", "))
+            };
             Error::Rules(format!("there are no rules `{name}`; {} {has}", system.name))
         })
     };

@@ -24,7 +24,8 @@ impl Scheme {
     pub fn of(matrix: &Matrix, height: usize, width: usize) -> Scheme {
         let n = matrix.columns as i64;
         // Around the end: what is nearer from the left stands there.
-        let place = |column: u32| if i64::from(column) > n / 2 { i64::from(column) - n } else { column.into() };
+        let place =
+            |column: u32| if i64::from(column) > n / 2 { i64::from(column) - n } else { column.into() };
         let row = |row: &Vec<(u32, Number)>| {
             let mut row: Vec<(i64, Number)> = row.iter().map(|&(c, x)| (place(c), x)).collect();
             row.sort_by_key(|e| e.0);

@@ -52,7 +52,9 @@ pub fn eigenvalues(matrix: &[Vec<Number>]) -> Option<Vec<Eigenvalue>> {
         }
     };
     let mut values: Vec<Eigenvalue> = found.iter().map(value).collect();
-    values.sort_by(|a, b| b.modulus().total_cmp(&a.modulus()).then(b.re.total_cmp(&a.re)).then(b.im.total_cmp(&a.im)));
+    values.sort_by(|a, b| {
+        b.modulus().total_cmp(&a.modulus()).then(b.re.total_cmp(&a.re)).then(b.im.total_cmp(&a.im))
+    });
     Some(values)
 }
 

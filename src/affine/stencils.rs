@@ -88,13 +88,16 @@ impl Stencils {
     }
 
     fn of(columns: u32, points: Vec<Point>) -> Result<Stencils, Error> {
-        let mut stencils = Stencils { columns, rows: Vec::with_capacity(points.len()), weights: vec![], bound: 0.0 };
+        let mut stencils =
+            Stencils { columns, rows: Vec::with_capacity(points.len()), weights: vec![], bound: 0.0 };
         let mut known: HashMap<Vec<u32>, u32> = HashMap::new();
         for (n, point) in points.iter().enumerate() {
             let (first, weights) = dense(columns, point);
             if weights.len() > MOST_WIDTH {
                 let width = weights.len();
-                let message = format!("point {n} of the word hangs on {width} control points in a row; {MOST_WIDTH} is the most");
+                let message = format!(
+                    "point {n} of the word hangs on {width} control points in a row; {MOST_WIDTH} is the most"
+                );
                 return Err(Error::Table(message));
             }
             let width = weights.len() as u32;

@@ -40,7 +40,8 @@ impl<'a> Context<'a> {
             let form = match &uniform.kind {
                 // A fraction of fractions is one, though the backends have it rounded.
                 UniformKind::Derived(e) if exact => {
-                    match evaluate(e, &Scope { uniforms: &uniforms, fields: &[], lets: &[], step: 0, exact }) {
+                    match evaluate(e, &Scope { uniforms: &uniforms, fields: &[], lets: &[], step: 0, exact })
+                    {
                         Form::Known(_, number) => Form::Known(value.clone(), number),
                         _ => Form::known(value.clone(), exact),
                     }
@@ -192,7 +193,9 @@ pub fn like_the_axiom(plan: &Plan, uniforms: &[Value], symbol: Option<usize>) ->
         None => point_field(&tables.symbols[s].fields).is_some(),
     };
     let args = |start: &'_ CurveStart| match start {
-        CurveStart::Module(m) if wanted(m.symbol) => Some((m.symbol, m.args.iter().cloned().map(Some).collect())),
+        CurveStart::Module(m) if wanted(m.symbol) => {
+            Some((m.symbol, m.args.iter().cloned().map(Some).collect()))
+        }
         CurveStart::Points { symbol, args, .. } if wanted(*symbol) => Some((*symbol, args.clone())),
         _ => None,
     };
@@ -223,7 +226,13 @@ struct Names {
 
 impl Names {
     fn borrow<'a>(&'a self, context: &'a Context, step: u32) -> Scope<'a> {
-        Scope { uniforms: &context.uniforms, fields: &self.fields, lets: &self.lets, step, exact: context.exact }
+        Scope {
+            uniforms: &context.uniforms,
+            fields: &self.fields,
+            lets: &self.lets,
+            step,
+            exact: context.exact,
+        }
     }
 }
 

@@ -303,7 +303,11 @@ pub fn bounds<'a>(nets: impl Iterator<Item = &'a patch::Net>) -> Option<patch::B
 }
 
 /// What of `--set` goes to the system: a param of the file that it does not read is left out.
-pub fn set(source: &Source, system: &System, given: &[(String, Value)]) -> Result<Vec<(String, Value)>, Failure> {
+pub fn set(
+    source: &Source,
+    system: &System,
+    given: &[(String, Value)],
+) -> Result<Vec<(String, Value)>, Failure> {
     let own = |name: &str| {
         let param = |u: &&burgeon::language::system::Uniform| matches!(u.kind, UniformKind::Param { .. });
         system.uniforms.iter().filter(param).any(|u| u.name == name)

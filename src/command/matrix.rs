@@ -19,6 +19,7 @@ pub fn matrix(flags: &flags::Matrix) -> Result<(), Failure> {
     let failure = |e: Error| match e {
         Error::NotAffine { span, .. } => source.error(Diagnostic::error("E0406", span, e.to_string())),
         Error::Unsupported(e) => source.unsupported(&e),
+        Error::Plan(burgeon::plan::Error::Set(what)) => Failure::Usage(format!("error: --set: {what}")),
         e => Failure::File(format!("error: {}: {e}", flags.system.file.display())),
     };
     let with: Vec<&str> = flags.with.iter().map(String::as_str).collect();
@@ -43,11 +44,13 @@ struct Title<'a> {
 
 impl Title<'_> {
     fn text(&self, matrix: &Matrix, scheme: Option<&Scheme>) -> String {
-        let with = if self.with.is_empty() { String::new() } else { format!(", rules {}", self.with.join(", ")) };
+        let with =
+            if self.with.is_empty() { String::new() } else { format!(", rules {}", self.with.join(", ")) };
         let step = if self.step == 0 { String::new() } else { format!(", step {}", self.step) };
         let word = if self.ring { "a ring" } else { "an open word" };
         let (rows, columns) = (matrix.rows.len(), matrix.columns);
-        let mut text = format!("{}{with}{step}: {rows} × {columns}, on {word} of {columns} points\n\n", self.system);
+        let mut text =
+            format!("{}{with}{step}: {rows} × {columns}, on {word} of {columns} points\n\n", self.system);
         grid(matrix, &mut text);
         text.push('\n');
         let mut line = |name: &str, value: String| {
@@ -68,7 +71,11 @@ impl Title<'_> {
             line("generates", degree_text(degree));
         }
         if let Some(degree) = scheme.reproduces() {
-            let at = if degree > 0 { format!(", new point i at {}", parametrisation(scheme)) } else { String::new() };
+            let at = if degree > 0 {
+                format!(", new point i at {}", parametrisation(scheme))
+            } else {
+                String::new()
+            };
             line("reproduces", format!("{}{at}", degree_text(degree)));
         }
         if let Some(values) = scheme.eigenvalues() {
@@ -190,8 +197,10 @@ fn parametrisation(scheme: &Scheme) -> String {
 pub fn infer_rule(flags: &flags::Infer) -> Result<(), Failure> {
     let path = &flags.file;
     let shown = path.display();
-    let bytes = std::fs::read(path).map_err(|e| Failure::File(format!("error: {}", load::cannot_read(path, &e))))?;
-    let text = lex::decode(&bytes).map_err(|_| Failure::File(format!("error: {shown} is no text in UTF-8")))?;
+    let bytes =
+        std::fs::read(path).map_err(|e| Failure::File(format!("error: {}", load::cannot_read(path, &e))))?;
+    let text =
+        lex::decode(&bytes).map_err(|_| Failure::File(format!("error: {shown} is no text in UTF-8")))?;
     let matrix = parse(text).map_err(|e| Failure::File(format!("error: {shown}: {e}")))?;
     let rules = match &flags.name {
         Some(name) => infer(&matrix, flags.shift, name),

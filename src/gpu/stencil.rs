@@ -44,7 +44,8 @@ impl Stencil {
                 return Err(Error::Binding { buffer: label, needed: size, most: limit });
             }
             let usage = usage | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-            let descriptor = wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };
+            let descriptor =
+                wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };
             Ok(engine.device.create_buffer(&descriptor))
         };
         engine.checked("preparing a table of stencils", || {
@@ -56,9 +57,11 @@ impl Stencil {
             let shape_buffer = make("burgeon stencil shape", size_of::<Shape>(), BufferUsages::UNIFORM)?;
             let row_buffer = make("burgeon stencil rows", size_of_val(rows), storage)?;
             let weight_buffer = make("burgeon stencil weights", size_of_val(weights), storage)?;
-            let control = make("burgeon control points", table.columns() * 16, storage | BufferUsages::VERTEX)?;
+            let control =
+                make("burgeon control points", table.columns() * 16, storage | BufferUsages::VERTEX)?;
             let curve = make("burgeon curve", table.len() * 16, storage | BufferUsages::VERTEX)?;
-            let shape = Shape { count: table.len() as u32, columns: table.columns() as u32, reserved: [0; 2] };
+            let shape =
+                Shape { count: table.len() as u32, columns: table.columns() as u32, reserved: [0; 2] };
             engine.queue.write_buffer(&shape_buffer, 0, bytemuck::bytes_of(&shape));
             engine.queue.write_buffer(&row_buffer, 0, bytemuck::cast_slice(rows));
             engine.queue.write_buffer(&weight_buffer, 0, bytemuck::cast_slice(weights));
