@@ -16,8 +16,8 @@ pub struct Scheme {
     pub rows: Vec<Vec<(i64, Number)>>,
 }
 
-/// Degrees that are looked at; a mask as wide as contexts can be has no more.
-const MOST_DEGREE: u32 = 32;
+/// Degrees that are looked at: a mask as wide as contexts can be has no more, but for one that only moves points.
+pub const MOST_DEGREE: u32 = 32;
 
 impl Scheme {
     /// The first block of a matrix that repeats so.

@@ -2,7 +2,7 @@
 //!
 //! Rows of a scheme repeat: after k steps of arity c only c^k of them differ but for where they begin, and at the ends of an
 //! open word a few more. So a row is 8 bytes, where its control points begin and where its weights do, and equal rows share
-//! their weights. Counted for Chaikin's rule, 64 points, 6 steps, 3 weights a row: 32 KiB of rows and 0.75 KiB of weights,
+//! their weights. Counted for Chaikin's rule, 64 points, 6 steps, 3 weights a row at most: 32 KiB of rows and 0.75 KiB of weights,
 //! where rows with indices and weights of their own (28 bytes) take 112 KiB. A frame reads the 8 bytes and
 //! writes 16 a point; the weights stay in the caches. Where no row is like another a weight more costs 4 bytes, against 8
 //! with its index.

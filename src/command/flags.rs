@@ -280,7 +280,7 @@ pub struct Devices {}
 
 #[derive(Args)]
 pub struct Bench {
-    /// Which: copy, expand, flops, patch/step, patch/derive, scan, compact, tessellate, language; all of these if left
+    /// Which: copy, expand, flops, patch/step, patch/derive, curve/stencil, scan, compact, tessellate, language; all of these if left
     /// out; and tessellate/crowd: ten thousand copies of the patches before a moving camera
     #[arg(value_name = "NAME")]
     pub names: Vec<String>,

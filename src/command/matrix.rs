@@ -3,6 +3,7 @@
 use super::load::{self, Source};
 use super::{Failure, flags, print};
 use burgeon::affine::infer::{InferError, infer, parse};
+use burgeon::affine::properties::MOST_DEGREE;
 use burgeon::affine::{Eigenvalue, Error, Matrix, Number, Rules, Scheme};
 use burgeon::language::rational::Rational;
 use burgeon::language::{Diagnostic, lex};
@@ -150,6 +151,7 @@ fn degree_text(degree: u32) -> String {
     match degree {
         0 => "constants".to_string(),
         1 => "lines".to_string(),
+        MOST_DEGREE.. => "polynomials of any degree".to_string(),
         _ => format!("polynomials of degree {degree}"),
     }
 }

@@ -4,6 +4,7 @@
 //! are used again; a figure is the median of its rounds. Bytes are counted, not measured: what the
 //! case must read and write at least.
 
+mod curves;
 #[cfg(feature = "gpu")]
 mod gpu;
 #[cfg(not(feature = "gpu"))]
@@ -23,12 +24,13 @@ use std::time::{Duration, Instant};
 use systems::{Plans, roots};
 
 /// The names a call may give.
-const NAMES: [&str; 10] = [
+const NAMES: [&str; 11] = [
     "copy",
     "expand",
     "flops",
     "patch/step",
     "patch/derive",
+    "curve/stencil",
     "scan",
     "compact",
     "tessellate",
@@ -101,6 +103,9 @@ pub fn bench(flags: &flags::Bench) -> Result<(), Failure> {
     }
     if wanted("patch/derive") {
         derive_cases(&plans, &roots, flags.levels, &mut cases)?;
+    }
+    if wanted("curve/stencil") {
+        curves::cpu_cases(&plans, &mut cases)?;
     }
     if wanted("scan") || wanted("compact") {
         scan_cases(&mut cases);

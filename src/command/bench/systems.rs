@@ -18,6 +18,8 @@ pub(super) struct Plans {
     pub(super) others: Vec<(String, Plan)>,
     /// Only modules with a positive parameter stay on the frontier.
     pub(super) frontier: Plan,
+    /// A curve.
+    pub(super) chaikin: Plan,
 }
 
 pub(super) const PLAIN: &str = "system plain : patch bezier 3\nmodule P\naxiom: P = file \"roots.bpt\"\nrules:\n  \
@@ -48,6 +50,7 @@ impl Plans {
             levels: plan(&levels)?,
             others: others.collect::<Result<_, Failure>>()?,
             frontier: plan(FRONTIER)?,
+            chaikin: plan(super::curves::CHAIKIN)?,
         })
     }
 }
