@@ -40,7 +40,7 @@ impl Point {
     }
 
     fn times(&self, factor: Number) -> Point {
-        let product = |&(i, x): &(u32, Number)| (i, x.mul(factor));
+        let product = |&(i, x): &(u32, Number)| (i, x * factor);
         let mut scaled = Point {
             row: self.row.iter().map(product).collect(),
             rounding: self.rounding * factor.to_f64().abs(),
@@ -61,7 +61,7 @@ impl Point {
         loop {
             let (x, y) = (a.peek().map(|x| x.0), b.peek().map(|y| y.0));
             let entry = match (x, y) {
-                (Some(i), Some(j)) if i == j => a.next().zip(b.next()).map(|(x, y)| (i, x.1.add(y.1))),
+                (Some(i), Some(j)) if i == j => a.next().zip(b.next()).map(|(x, y)| (i, x.1 + y.1)),
                 (Some(i), Some(j)) if i > j => b.next().copied(),
                 (None, _) => b.next().copied(),
                 _ => a.next().copied(),
@@ -209,11 +209,11 @@ fn arithmetic(name: &str, args: &[Form]) -> Option<Number> {
         _ => None,
     });
     match (name, numbers.collect::<Option<Vec<Number>>>()?.as_slice()) {
-        ("+", &[a, b]) => Some(a.add(b)),
-        ("-", &[a, b]) => Some(a.sub(b)),
-        ("*", &[a, b]) => Some(a.mul(b)),
-        ("/", &[a, b]) if !b.is_zero() => Some(a.div(b)),
-        ("-", &[a]) => Some(a.neg()),
+        ("+", &[a, b]) => Some(a + b),
+        ("-", &[a, b]) => Some(a - b),
+        ("*", &[a, b]) => Some(a * b),
+        ("/", &[a, b]) if !b.is_zero() => Some(a / b),
+        ("-", &[a]) => Some(-a),
         ("float", &[a]) => Some(a),
         _ => None,
     }
@@ -233,9 +233,7 @@ fn combination(name: &str, args: &[Form]) -> Result<Point, String> {
         ("*", [P(a), Known(Value::Float(_), x)] | [Known(Value::Float(_), x), P(a)]) => {
             Ok(a.times(*x).rounded())
         }
-        ("/", [P(a), Known(Value::Float(_), x)]) if !x.is_zero() => {
-            Ok(a.times(Number::ONE.div(*x)).rounded())
-        }
+        ("/", [P(a), Known(Value::Float(_), x)]) if !x.is_zero() => Ok(a.times(Number::ONE / *x).rounded()),
         ("*", [P(_), P(_)]) => Err("points are multiplied with each other".to_string()),
         // (a - a·t) + b·t
         ("mix", [a, b, Known(Value::Float(_), t)]) => {

@@ -233,7 +233,7 @@ impl Production {
                     (false, true) => " - ",
                     (false, false) => " + ",
                 };
-                let size = if negative { x.neg() } else { x };
+                let size = if negative { -x } else { x };
                 let factor = match size.exact() {
                     Some(Rational::ONE) => String::new(),
                     Some(x) => format!("{x}*"),

@@ -2,6 +2,7 @@
 
 use crate::language::rational::Rational;
 use std::fmt;
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A coefficient.
 #[derive(Clone, Copy, Debug)]
@@ -36,29 +37,13 @@ impl Number {
         }
     }
 
-    pub fn add(self, other: Number) -> Number {
-        self.both(other, Rational::checked_add, |a, b| a + b)
-    }
-    pub fn sub(self, other: Number) -> Number {
-        self.add(other.neg())
-    }
-    pub fn mul(self, other: Number) -> Number {
-        self.both(other, Rational::checked_mul, |a, b| a * b)
-    }
-    pub fn div(self, other: Number) -> Number {
-        self.both(other, Rational::checked_div, |a, b| a / b)
-    }
-    pub fn neg(self) -> Number {
-        self.mul(Number::whole(-1))
-    }
-
     pub fn whole(n: i64) -> Number {
         Rational::new(n.into(), 1).map_or(Number::Float(n as f64), Number::Exact)
     }
 
     /// `self` to a power of at least 0.
     pub fn power(self, exponent: u32) -> Number {
-        (0..exponent).fold(Number::ONE, |product, _| product.mul(self))
+        (0..exponent).fold(Number::ONE, |product, _| product * self)
     }
 
     /// Equal; within rounding where one of them is not exact.
@@ -84,6 +69,41 @@ impl Number {
             _ => None,
         };
         fraction.map_or_else(|| Number::Float(float(self.to_f64(), other.to_f64())), Number::Exact)
+    }
+}
+
+impl Add for Number {
+    type Output = Number;
+    fn add(self, other: Number) -> Number {
+        self.both(other, Rational::checked_add, |a, b| a + b)
+    }
+}
+
+impl Sub for Number {
+    type Output = Number;
+    fn sub(self, other: Number) -> Number {
+        self.both(other, Rational::checked_sub, |a, b| a - b)
+    }
+}
+
+impl Mul for Number {
+    type Output = Number;
+    fn mul(self, other: Number) -> Number {
+        self.both(other, Rational::checked_mul, |a, b| a * b)
+    }
+}
+
+impl Div for Number {
+    type Output = Number;
+    fn div(self, other: Number) -> Number {
+        self.both(other, Rational::checked_div, |a, b| a / b)
+    }
+}
+
+impl Neg for Number {
+    type Output = Number;
+    fn neg(self) -> Number {
+        Number::ZERO - self
     }
 }
 

@@ -95,9 +95,9 @@ impl Scheme {
 
     /// Σ a(r, l)·(l − r·width/height)^s: of places from that of the new point on.
     fn moment(&self, r: usize, s: u32) -> Number {
-        let at = Number::whole((r * self.width) as i64).div(Number::whole(self.height as i64));
-        let term = |&(l, x): &(i64, Number)| x.mul(Number::whole(l).sub(at).power(s));
-        self.rows[r].iter().map(term).fold(Number::ZERO, Number::add)
+        let at = Number::whole((r * self.width) as i64) / Number::whole(self.height as i64);
+        let term = |&(l, x): &(i64, Number)| x * (Number::whole(l) - at).power(s);
+        self.rows[r].iter().map(term).fold(Number::ZERO, |sum, x| sum + x)
     }
 
     /// The local subdivision matrix: of the fewest neighbouring points that are made of themselves alone. None of schemes

@@ -136,7 +136,7 @@ fn grid(matrix: &Matrix, text: &mut String) {
 }
 
 fn sums_to_one(matrix: &Matrix) -> bool {
-    let sum = |row: &Vec<(u32, Number)>| row.iter().map(|e| e.1).fold(Number::ZERO, Number::add);
+    let sum = |row: &Vec<(u32, Number)>| row.iter().map(|e| e.1).fold(Number::ZERO, |sum, x| sum + x);
     matrix.rows.iter().all(|row| sum(row).is(Number::ONE))
 }
 
@@ -165,7 +165,7 @@ fn mask_text(mask: &[Number]) -> String {
     });
     let list = |scale: i128| {
         let scale = Number::whole(scale as i64);
-        let list: Vec<String> = mask.iter().map(|x| x.mul(scale).to_string()).collect();
+        let list: Vec<String> = mask.iter().map(|x| (*x * scale).to_string()).collect();
         format!("({})", list.join(", "))
     };
     match common {
@@ -180,7 +180,7 @@ fn gcd(a: i128, b: i128) -> i128 {
 
 /// Where new point i lies among the old ones, both counted from 0.
 fn parametrisation(scheme: &Scheme) -> String {
-    let step = Number::whole(scheme.width as i64).div(Number::whole(scheme.height as i64));
+    let step = Number::whole(scheme.width as i64) / Number::whole(scheme.height as i64);
     let spaced = match step.exact() {
         Some(Rational::ONE) => "i".to_string(),
         Some(x) if x.is_whole() => format!("{x}i"),
@@ -190,7 +190,7 @@ fn parametrisation(scheme: &Scheme) -> String {
     let shift = scheme.shift();
     match shift {
         x if x.is(Number::ZERO) => spaced,
-        x if x.to_f64() < 0.0 => format!("{spaced} - {}", x.neg()),
+        x if x.to_f64() < 0.0 => format!("{spaced} - {}", -x),
         x => format!("{spaced} + {x}"),
     }
 }

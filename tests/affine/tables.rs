@@ -73,8 +73,8 @@ impl Case {
         let greatest = self.control.iter().flatten().fold(0f32, |m, x| m.max(x.abs()));
         let bound = self.table.bound() * f64::from(greatest);
         let far = |(a, b): (&[f32; 4], &[f32; 3])| {
-            // A number that is none is far from all.
-            (0..3).any(|k| !((f64::from(a[k]) - f64::from(b[k])).abs() <= bound))
+            // A number that is none is near to no other.
+            !(0..3).all(|k| (f64::from(a[k]) - f64::from(b[k])).abs() <= bound)
         };
         let n = curve.iter().zip(&self.derived).position(far)?;
         Some(format!("{}, point {n}: {:?} for {:?}, bound {bound:e}", self.name, curve[n], self.derived[n]))
