@@ -167,6 +167,10 @@ fn s9_the_matrix_of_a_rule_gives_the_rule() {
         assert_eq!(production(&found), expected);
         turned(&matrix, &found, shift);
     }
+    for shift in [-3, -1, 1, 2] {
+        let matrix = rules(UNCHAIKIN, "").matrix(16, 0).expect("a matrix");
+        turned(&matrix, &infer::infer(&matrix, shift, "found").expect("a rule"), shift);
+    }
     for (text, with) in [(CHAIKIN, "left"), (CHAIKIN, "far"), (CUBIC, "shifted"), (DLG, "shifted")] {
         let matrix = rules(text, with).matrix(12, 0).expect("a matrix");
         turned(&matrix, &infer::infer(&matrix, 0, "found").expect("a rule"), 0);

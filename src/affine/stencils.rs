@@ -30,8 +30,8 @@ pub struct Stencils {
 pub const MOST_WIDTH: usize = 256;
 pub const MOST_WEIGHTS: usize = 1 << 24;
 
-/// Points of a word that has a table.
-pub const MOST_POINTS: usize = 1 << 23;
+/// Modules of a word that has a table: while it is made each takes some 200 bytes.
+pub const MOST_POINTS: usize = 1 << 21;
 
 /// The unit roundoff of single precision.
 const UNIT: f64 = 1.0 / (1 << 24) as f64;

@@ -81,6 +81,10 @@ impl<'a> Context<'a> {
     /// [`Error::NotAffine`] where a rule makes a point that is no combination of points, or where the points decide which
     /// rule fires; [`Error::TooLong`].
     pub fn step(&self, word: &[Module], stage: &Stage, step: u32, most: usize) -> Result<Vec<Module>, Error> {
+        // Before a long word is made for nothing.
+        if stage.closed.is_some_and(|growth| word.len().saturating_mul(growth as usize) > most) {
+            return Err(Error::TooLong { most });
+        }
         let mut next = Vec::new();
         let mut at = 0;
         while at < word.len() {

@@ -31,8 +31,8 @@ Examples:
 
 /// Below the flags of `infer`.
 pub const INFER_EXAMPLES: &str = "\
-The file holds a row a line, its entries with commas between, numbers or fractions as 3/4. Rows wrap around,
-as those of a closed curve do; each block of them is the one before, moved on.
+The file holds a row a line, its entries with commas between: numbers, or fractions as 3/4. Rows wrap
+around, as those of a closed curve do; each block of them is the one before, moved on.
 
 Examples:
   burgeon infer chaikin.csv > chaikin.burgeon

@@ -49,7 +49,7 @@ enum Command {
     Check(flags::Check),
     /// Print the WGSL that a system becomes
     Wgsl(flags::Wgsl),
-    /// Print the subdivision matrix of a curve rule, its mask, its eigenvalues and what it does to polynomials
+    /// Print the subdivision matrix of a curve rule, and what follows from it
     #[command(after_help = flags::MATRIX_EXAMPLES)]
     Matrix(flags::Matrix),
     /// Print the rule that has a subdivision matrix

@@ -9,8 +9,8 @@ use wgpu::BufferUsages;
 /// A table of stencils, the control points, and the curve that comes of them.
 ///
 /// Write control points ([`Stencil::set`], or a kernel of your own into [`Stencil::control`]), record a frame
-/// ([`Stencil::encode`]), and draw [`Stencil::curve`] as a strip of [`Stencil::len`] vertices. Nothing is allocated, read
-/// back or waited for on the way.
+/// ([`Stencil::encode`]), and draw [`Stencil::curve`] as a strip of [`Stencil::len`] vertices. Recording
+/// allocates nothing, reads nothing back and waits for nothing.
 #[derive(Debug)]
 pub struct Stencil {
     engine: Engine,
