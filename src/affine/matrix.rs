@@ -61,8 +61,7 @@ impl Rules {
     /// group; a param that cannot be set so.
     pub fn new(system: &System, with: &[&str], set: &[(String, Value)]) -> Result<Rules, Error> {
         if !matches!(system.kind, Kind::Curve(_)) {
-            let message = format!("{} is no curve system; only their rules have a matrix", system.name);
-            return Err(Error::Rules(message));
+            return Err(word::no_curve(system));
         }
         let groups = groups(system, with)?;
         let rules = groups.iter().flat_map(|&g| &system.groups[g].rules);
@@ -77,6 +76,7 @@ impl Rules {
         let count = Expr::literal(Value::Int(1), span);
         let derive = StepKind::Derive { count, until_terminal: false, groups };
         let plan = Plan::new(&System { run: vec![Step { kind: derive, span }], ..system.clone() })?;
+        word::refuse_others(&plan)?;
         Ok(Rules { values: plan.uniforms(set)?, plan, symbol })
     }
 

@@ -43,7 +43,7 @@ impl Stencils {
     /// [`Error::NotAffine`], with the place, where a point is no combination of others or the points decide what happens;
     /// `until terminal`, since what ends it is not known beforehand; a word or a table that is too long.
     pub fn new(plan: &Plan, axiom: &Axiom, options: &Options) -> Result<Stencils, Error> {
-        refuse_other_kinds(plan)?;
+        word::refuse_others(plan)?;
         let values = plan.uniforms(&options.set)?;
         Stencils::from_records(plan, &plan.curve_axiom(axiom, &values)?, &values, options.steps)
     }
@@ -53,7 +53,7 @@ impl Stencils {
     /// # Errors
     /// As [`Stencils::new`]; a system without points.
     pub fn of_length(plan: &Plan, points: usize, options: &Options) -> Result<Stencils, Error> {
-        refuse_other_kinds(plan)?;
+        word::refuse_others(plan)?;
         let values = plan.uniforms(&options.set)?;
         let Some(record) = word::like_the_axiom(plan, &values, None) else {
             return Err(Error::Rules(format!("no module of {} has a point", plan.system.name)));
@@ -170,7 +170,7 @@ impl Stencils {
     /// # Errors
     /// An argument without a value.
     pub fn control(plan: &Plan, axiom: &Axiom, options: &Options) -> Result<Vec<[f32; 4]>, Error> {
-        refuse_other_kinds(plan)?;
+        word::refuse_others(plan)?;
         let records = plan.curve_axiom(axiom, &plan.uniforms(&options.set)?)?;
         let point = |record: &[u32]| {
             let symbol = &plan.tables.symbols[(record[0] & 0xffff) as usize];
@@ -182,13 +182,6 @@ impl Stencils {
             Some(point)
         };
         Ok(records.chunks_exact(plan.tables.layout.record_words).filter_map(point).collect())
-    }
-}
-
-fn refuse_other_kinds(plan: &Plan) -> Result<(), Error> {
-    match plan.tables.layout.is_curve() {
-        true => Ok(()),
-        false => Err(Error::Rules(format!("{} is no curve system", plan.system.name))),
     }
 }
 

@@ -6,7 +6,7 @@
 use super::Error;
 use super::form::{Form, Point, Scope, evaluate};
 use crate::language::expr::{Expr, Type, Value};
-use crate::language::system::{self, CurveStart, Field, Kind, Topology, UniformKind};
+use crate::language::system::{self, CurveStart, Field, Kind, System, Topology, UniformKind};
 use crate::language::{Span, eval};
 use crate::plan::Plan;
 use crate::plan::layout::END;
@@ -187,6 +187,25 @@ impl<'a> Context<'a> {
         let fields = cell.args.iter().enumerate().map(field).collect::<Result<_, _>>()?;
         Ok(Module { symbol: cell.symbol, fields })
     }
+}
+
+/// Refuses all but curves whose neighbours stand side by side: contexts of a linked word are found along its links
+/// ([`crate::plan::layout`]), which are not followed here.
+pub fn refuse_others(plan: &Plan) -> Result<(), Error> {
+    let (layout, name) = (plan.tables.layout, &plan.system.name);
+    if !layout.is_curve() {
+        return Err(no_curve(&plan.system));
+    }
+    if layout.link.is_some() || layout.word.is_some() {
+        let what = "words with branches, ignored symbols or several curves have no matrix in this version";
+        return Err(Error::Rules(format!("{name}: {what}")));
+    }
+    Ok(())
+}
+
+/// The error of a system of another kind.
+pub fn no_curve(system: &System) -> Error {
+    Error::Rules(format!("{} is no curve system; only their rules have a matrix", system.name))
 }
 
 /// The record of a module with a point, of this symbol if one is named, as the axiom has its first; where it has none, all 0.

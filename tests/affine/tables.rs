@@ -121,6 +121,10 @@ fn what_has_no_table_is_refused() {
     let many = CHAIKIN.replace("derive 3", "derive 24");
     assert!(of(&many, 4).contains("more than 2097152 modules"));
     assert!(of(CHAIKIN, 0).contains("no points"));
+    let mut linked = Plan::new(&system(CHAIKIN, "")).expect("a plan");
+    linked.tables.layout.link = Some(1);
+    let error = Stencils::of_length(&linked, 4, &Options::default()).expect_err("an error").to_string();
+    assert!(error.contains("words with branches"), "{error}");
     let sum = "system s : curve open\nmodule P(v: vec2)\naxiom: [(0,0), (1,0)]\nrules:\n  \
                P(a) > P(b) # -> P(a)\n  P(a) > # -> eps\n  # < P(a) > P(b) -> P(a)\n  P(a) > P(b) -> P(1/2*a + 1/2*b)\n\
                run:\n  derive 260\n";
