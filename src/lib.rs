@@ -112,6 +112,8 @@
 //!   [`cpu::tessellate`], on a device, frame by frame or once, by `gpu::tessellate`.
 //! - `gpu::tessellate` (with the feature `gpu`): patches to watertight triangles, each frame anew, in a
 //!   renderer of yours, with a walk through it.
+//! - [`affine`]: curve rules as subdivision matrices, matrices as rules, and whole derivations as tables of stencils,
+//!   which [`cpu::stencil`] and `gpu::Stencil` apply to control points that move.
 //! - [`io`]: `.bpt`, `.bv`, `.json`, `.obj`, `.ply`, `.glb`, `.png`.
 //! - [`plan::layout`], then [`plan::step`]: how a step works; both backends walk the same list of passes.
 //! - `conformance` (with the feature `gpu`): the suite that holds a device against the CPU, for the
@@ -150,6 +152,7 @@
 //! the origin towards it first: at a distance of 10⁶ units coordinates are 1/16 apart. Coordinates below
 //! 1.2·10⁻³⁸ are denormal, and GPUs may round them to 0, so that there the backends may differ.
 #![forbid(unsafe_code)]
+pub mod affine;
 pub mod codegen;
 #[cfg(feature = "gpu")]
 pub mod conformance;

@@ -10,10 +10,11 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("curve", &["language", "patch"]),
     ("io", &["patch", "curve", "tessellate", "language"]),
     ("plan", &["language", "patch", "curve"]),
+    ("affine", &["language", "curve", "plan"]),
     ("tessellate", &["language", "patch"]),
-    ("cpu", &["language", "patch", "curve", "plan", "tessellate"]),
+    ("cpu", &["language", "patch", "curve", "plan", "affine", "tessellate"]),
     ("codegen", &["language", "patch", "curve", "plan", "tessellate"]),
-    ("gpu", &["language", "patch", "curve", "plan", "tessellate", "codegen"]),
+    ("gpu", &["language", "patch", "curve", "plan", "affine", "tessellate", "codegen"]),
     // The one place where CPU and GPU meet.
     ("conformance", &["language", "patch", "io", "plan", "tessellate", "cpu", "codegen", "gpu"]),
     ("render", &["language", "patch", "plan", "tessellate", "codegen", "gpu", "io"]),

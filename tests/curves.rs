@@ -78,7 +78,11 @@ fn cpu_and_gpu_derive_the_same_curve() {
         let uniforms = job.plan.uniforms(&[]).expect("params");
         for chunk in [None, Some(1), Some(7)] {
             let gpu = burgeon::gpu::Gpu::new(&engine, &job.plan, &uniforms).expect("kernels");
-            assert_eq!(job.on(gpu, None, chunk).expect("a word"), job.cpu(None, None), "{name}, chunks of {chunk:?}");
+            assert_eq!(
+                job.on(gpu, None, chunk).expect("a word"),
+                job.cpu(None, None),
+                "{name}, chunks of {chunk:?}"
+            );
         }
     }
 }
@@ -241,7 +245,6 @@ const MUTANTS: &[(&str, &str, &str)] = &[
 fn every_mutant_of_the_kernels_of_curves_is_seen() {
     let Some(headless) = device::headless() else { return };
     let engine = burgeon::gpu::Engine::new(&headless.device, &headless.queue);
-    use std::panic::{AssertUnwindSafe, catch_unwind};
     let mut wrong = Vec::new();
     for &(file, find, replace) in MUTANTS {
         let read = |folder: &str| std::fs::read_to_string(format!("wgsl/{folder}{file}.wgsl"));

@@ -428,7 +428,8 @@ fn every_file_has_mutants() {
             let count = all.iter().filter(|m| m.0 == name).count()
                 + crate::runs::mutants_of(&name)
                 + crate::curves::mutants_of(&name)
-                + crate::turtle::mutants_of(&name);
+                + crate::turtle::mutants_of(&name)
+                + crate::affine::mutants_of(&name);
             assert!(other || count >= 2, "{} has {count} mutants", path.display());
         }
     }

@@ -77,7 +77,13 @@ fn stages(plan: &Plan) -> Vec<StageId> {
 
 fn stage_shaders(plan: &Plan, id: StageId, tuning: &Tuning) -> Vec<Shader> {
     let s = codegen::stage(plan, id, tuning).unwrap_or_else(|e| panic!("{e}"));
-    s.measure.into_iter().chain(s.turtle).chain(s.link).chain(s.claim).chain([s.match_modules, s.count, s.emit]).collect()
+    s.measure
+        .into_iter()
+        .chain(s.turtle)
+        .chain(s.link)
+        .chain(s.claim)
+        .chain([s.match_modules, s.count, s.emit])
+        .collect()
 }
 
 fn shared_shaders(layout: &Layout, tuning: &Tuning) -> [Shader; 3] {

@@ -48,6 +48,7 @@ const FILES: &[(&str, &str)] = files![
     "proceed"
     "retire"
     "scan"
+    "stencil"
     "turtle"
     "turtle_linked"
     "tessellate/adopt"

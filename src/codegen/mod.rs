@@ -276,6 +276,18 @@ pub fn proceed_edited(layout: &Layout, tuning: &Tuning, edit: Option<&Edit>) -> 
     build("proceed", &constants, generate::Text::default(), edit)
 }
 
+/// The kernel that applies a table of stencils.
+pub fn stencil(tuning: &Tuning) -> Result<Shader, Error> {
+    stencil_edited(tuning, None)
+}
+
+/// The same, with a text replaced on purpose.
+#[doc(hidden)]
+pub fn stencil_edited(tuning: &Tuning, edit: Option<&Edit>) -> Result<Shader, Error> {
+    let constants = format!("const WORKGROUP = {}u;\n", tuning.workgroup);
+    build("stencil", &constants, generate::Text::default(), edit)
+}
+
 /// The kernels that measure the device: `copy` and `expand`.
 pub fn measures(tuning: &Tuning) -> Result<[Shader; 2], Error> {
     let constants = format!("const WORKGROUP = {}u;\n", tuning.workgroup);

@@ -22,6 +22,22 @@ Examples:
   burgeon tessellate teapot.bpt --tolerance 0.5px --eye 0,4,12 --out seen.ply
   burgeon tessellate control_points.obj --bspline --out smooth.obj";
 
+/// Below the flags of `matrix`.
+pub const MATRIX_EXAMPLES: &str = "\
+Examples:
+  burgeon matrix chaikin.burgeon
+  burgeon matrix chaikin.burgeon --with left --n 8
+  burgeon matrix dlg.burgeon --set w=0.125 --json";
+
+/// Below the flags of `infer`.
+pub const INFER_EXAMPLES: &str = "\
+The file holds a row a line, its entries with commas between: numbers, or fractions as 3/4. Rows wrap
+around, as those of a closed curve do; each block of them is the one before, moved on.
+
+Examples:
+  burgeon infer chaikin.csv > chaikin.burgeon
+  burgeon infer chaikin.csv --shift -1 --name left";
+
 #[derive(Args)]
 pub struct Run {
     #[command(flatten)]
@@ -210,6 +226,42 @@ pub struct Wgsl {
 }
 
 #[derive(Args)]
+pub struct Matrix {
+    #[command(flatten)]
+    pub system: System,
+    /// The rules, as behind `with`; several by priority, with commas between [default: the unnamed ones, else those
+    /// of the first derive]
+    #[arg(long, value_name = "GROUP", value_delimiter = ',')]
+    pub with: Vec<String>,
+    /// Set a param of the system, as in w=0.0625; may be given several times
+    #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
+    pub set: Vec<(String, Value)>,
+    /// Points of the curve that the printed matrix is applied to
+    #[arg(long, value_name = "N", default_value_t = 6, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub n: u32,
+    /// The step of its derive, from 0, where the rules read `step`
+    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
+    pub step: u32,
+    /// Print one JSON object: matrix and fractions by rows, mask, affine, generates, reproduces, shift, eigenvalues
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args)]
+pub struct Infer {
+    /// The matrix
+    #[arg(value_name = "FILE.csv")]
+    pub file: PathBuf,
+    /// The children of point i are the new points c·i + D to c·i + D + c - 1, counted from 0, with c new points
+    /// an old one
+    #[arg(long, value_name = "D", default_value_t = 0, allow_negative_numbers = true)]
+    pub shift: i64,
+    /// The name of the system [default: the file's]
+    #[arg(long, value_name = "NAME")]
+    pub name: Option<String>,
+}
+
+#[derive(Args)]
 pub struct Compare {
     #[command(flatten)]
     pub derive: Derive,
@@ -230,8 +282,9 @@ pub struct Devices {}
 
 #[derive(Args)]
 pub struct Bench {
-    /// Which: copy, expand, flops, patch/step, patch/derive, curve/derive, curve/step, word/context, scan, compact,
-    /// tessellate, language; patch and curve for both of theirs; all of these if left out; and tessellate/crowd: ten thousand copies of the patches before a moving camera
+    /// Which: copy, expand, flops, patch/step, patch/derive, curve/derive, curve/step, curve/stencil, word/context, scan,
+    /// compact, tessellate, language; patch and curve for all of theirs; all of these if left out; and tessellate/crowd:
+    /// ten thousand copies of the patches before a moving camera
     #[arg(value_name = "NAME")]
     pub names: Vec<String>,
     /// Patches to derive from, in place of 32 made ones

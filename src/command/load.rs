@@ -130,7 +130,8 @@ fn unreadable_rules(path: &Path, e: &io::Error) -> Failure {
     Failure::File(format!("error: {}{help}", cannot_read(path, e)))
 }
 
-fn cannot_read(path: &Path, e: &io::Error) -> String {
+/// Why a file cannot be read.
+pub fn cannot_read(path: &Path, e: &io::Error) -> String {
     let path = path.display();
     match e.kind() {
         io::ErrorKind::NotFound => format!("cannot read {path}: there is no such file"),
@@ -307,7 +308,11 @@ pub fn bounds<'a>(nets: impl Iterator<Item = &'a patch::Net>) -> Option<patch::B
 }
 
 /// What of `--set` goes to the system: a param of the file that it does not read is left out.
-fn set(source: &Source, system: &System, given: &[(String, Value)]) -> Result<Vec<(String, Value)>, Failure> {
+pub fn set(
+    source: &Source,
+    system: &System,
+    given: &[(String, Value)],
+) -> Result<Vec<(String, Value)>, Failure> {
     let own = |name: &str| {
         let param = |u: &&burgeon::language::system::Uniform| matches!(u.kind, UniformKind::Param { .. });
         system.uniforms.iter().filter(param).any(|u| u.name == name)

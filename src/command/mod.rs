@@ -6,6 +6,7 @@ mod curve;
 mod devices;
 mod flags;
 mod load;
+mod matrix;
 mod output;
 mod progress;
 mod quiet;
@@ -48,6 +49,12 @@ enum Command {
     Check(flags::Check),
     /// Print the WGSL that a system becomes
     Wgsl(flags::Wgsl),
+    /// Print the subdivision matrix of a curve rule, and what follows from it
+    #[command(after_help = flags::MATRIX_EXAMPLES)]
+    Matrix(flags::Matrix),
+    /// Print the rule that has a subdivision matrix
+    #[command(after_help = flags::INFER_EXAMPLES)]
+    Infer(flags::Infer),
     /// Derive on the CPU and on the GPU, and compare every pass
     Compare(flags::Compare),
     /// Run the conformance suite: does the GPU do what the CPU does?
@@ -66,7 +73,7 @@ impl Command {
                 flags.backend != flags::Backend::Cpu || output::needs_adapter(&flags.out)
             }
             Command::Compare(_) | Command::Selftest(_) | Command::Devices(_) | Command::Bench(_) => true,
-            Command::Check(_) | Command::Wgsl(_) => false,
+            Command::Check(_) | Command::Wgsl(_) | Command::Matrix(_) | Command::Infer(_) => false,
         }
     }
 }
@@ -129,6 +136,8 @@ pub fn main() -> ExitCode {
         Command::Tessellate(flags) => tessellate::tessellate(&flags),
         Command::Check(flags) => show::check(&flags),
         Command::Wgsl(flags) => show::wgsl(&flags),
+        Command::Matrix(flags) => matrix::matrix(&flags),
+        Command::Infer(flags) => matrix::infer_rule(&flags),
         Command::Compare(flags) => compare::compare(&flags),
         Command::Selftest(flags) => selftest::selftest(&flags),
         Command::Devices(flags) => devices::devices(&flags),

@@ -17,6 +17,7 @@ pub mod motion;
 pub mod program;
 pub mod retire;
 pub mod scan;
+pub mod stencil;
 pub mod tessellate;
 pub mod turtle;
 pub mod turtle_linked;

@@ -4,6 +4,9 @@ use crate::language::Span;
 use crate::language::expr::{Expr, Type, Value};
 use crate::language::system::{self, CurveSource, CurveStart, Hang, System};
 
+/// The curves of a file: the points of each.
+pub type Curves = Vec<Vec<[f32; 4]>>;
+
 /// The parts of a word, in order.
 #[derive(Clone, Debug)]
 pub struct Axiom {
@@ -49,7 +52,7 @@ impl Axiom {
     /// finite.
     pub fn load<E: std::fmt::Display>(
         system: &System,
-        read: &mut dyn FnMut(&str) -> Result<Vec<Vec<[f32; 4]>>, E>,
+        read: &mut dyn FnMut(&str) -> Result<Curves, E>,
     ) -> Result<Axiom, AxiomError<E>> {
         let system::Axiom::Curve(starts) = &system.axiom else {
             let message =
@@ -111,7 +114,7 @@ fn of_system<E: std::fmt::Display>(span: Span) -> AxiomError<E> {
 
 fn points<E: std::fmt::Display>(
     source: &CurveSource,
-    read: &mut dyn FnMut(&str) -> Result<Vec<Vec<[f32; 4]>>, E>,
+    read: &mut dyn FnMut(&str) -> Result<Curves, E>,
 ) -> Result<Vec<[f32; 4]>, AxiomError<E>> {
     match source {
         CurveSource::Inline(points) => Ok(points.iter().map(coordinates).collect()),

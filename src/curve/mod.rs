@@ -2,7 +2,7 @@
 
 mod axiom;
 
-pub use axiom::{Axiom, AxiomError, Part, Root};
+pub use axiom::{Axiom, AxiomError, Curves, Part, Root};
 
 use crate::language::expr::Value;
 use crate::language::system::Topology;
@@ -36,14 +36,20 @@ pub struct Module {
 }
 
 impl Word {
-    /// The positions of the modules that have one, in order: their first vector, its missing coordinates 0.
+    /// The positions of the modules that have one, in order: see [`Module::position`].
     pub fn points(&self) -> Vec<[f32; 3]> {
-        let vector = |value: &Value| match *value {
+        self.modules.iter().filter_map(Module::position).collect()
+    }
+}
+
+impl Module {
+    /// Its first vector, missing coordinates 0.
+    pub fn position(&self) -> Option<[f32; 3]> {
+        self.params.iter().find_map(|value| match *value {
             Value::Vec2([x, y]) => Some([x, y, 0.0]),
             Value::Vec3(p) => Some(p),
             Value::Vec4([x, y, z, _]) => Some([x, y, z]),
             _ => None,
-        };
-        self.modules.iter().filter_map(|m| m.params.iter().find_map(vector)).collect()
+        })
     }
 }

@@ -8,6 +8,7 @@ use crate::plan::layout::Layout;
 use crate::plan::step::{self, Column, Pass};
 
 /// One compute pipeline; `stages` of it where a pass takes several dispatches.
+#[derive(Debug)]
 pub struct Kernel {
     pub layout: wgpu::BindGroupLayout,
     pub pipelines: Vec<wgpu::ComputePipeline>,
@@ -229,9 +230,7 @@ impl StageKernels {
         let measure = |s: &Shader| Kernel::of_pass(engine, s, &step::MEASURE, &["measure"]);
         let link = |s: &Shader| Kernel::of_pass(engine, s, &step::LINK, &LINK_ENTRIES);
         let linked = plan.tables.layout.link.is_some();
-        let of_pass = |s: &Shader, pass: &Pass| {
-            Kernel::new(engine, s, &pass.bindings(linked), &[pass.name])
-        };
+        let of_pass = |s: &Shader, pass: &Pass| Kernel::new(engine, s, &pass.bindings(linked), &[pass.name]);
         let turtle = |s: &Shader| match plan.tables.layout.link {
             None => Kernel::of_pass(engine, s, &step::TURTLE, &["reduce", "spine", "turtle"]),
             Some(_) => {

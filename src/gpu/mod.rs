@@ -10,6 +10,7 @@ mod kernels;
 mod report;
 pub mod run;
 mod scans;
+mod stencil;
 mod sweep;
 pub mod tessellate;
 mod turtle;
@@ -17,6 +18,7 @@ mod turtle;
 pub use backend::{Gpu, GpuChunk, derive, derive_curve};
 pub use headless::{Headless, Requirement, adapters, adapters_in};
 pub use scans::{Bandwidth, Measure, ScanBuffers, Scans};
+pub use stencil::Stencil;
 
 use crate::codegen::{self, Tuning};
 use crate::plan;

@@ -73,6 +73,45 @@ impl Rational {
         }
     }
 
+    /// The simplest fraction that rounds to this float, where its denominator is at most 4,096: two such are farther
+    /// apart than floats below 1 are, so it is the one that was written. Else the float's exact value.
+    pub fn nearest_simple(x: f32) -> Option<Rational> {
+        const MOST: i128 = 4096;
+        let exact = Rational::from_f32(x)?;
+        if exact.denominator <= MOST {
+            return Some(exact);
+        }
+        // Convergents of the continued fraction, until one rounds to the float.
+        let (mut rest, mut before, mut last) = (exact, (0i128, 1i128), (1i128, 0i128));
+        loop {
+            let whole = rest.numerator.div_euclid(rest.denominator);
+            let next = (
+                whole.checked_mul(last.0).and_then(|n| n.checked_add(before.0)),
+                whole.checked_mul(last.1).and_then(|d| d.checked_add(before.1)),
+            );
+            let (Some(n), Some(d)) = next else { return Some(exact) };
+            if d > MOST {
+                return Some(exact);
+            }
+            let convergent = Rational::new(n, d)?;
+            if convergent.to_f32() == Some(x) {
+                return Some(convergent);
+            }
+            (before, last) = (last, (n, d));
+            rest = Rational::ONE.checked_div(rest.checked_sub(Rational::new(whole, 1)?)?)?;
+        }
+    }
+
+    /// Numerator and denominator, which is positive.
+    pub fn parts(self) -> (i128, i128) {
+        (self.numerator, self.denominator)
+    }
+
+    /// The value within two units in the last place of a double.
+    pub fn to_f64(self) -> f64 {
+        self.numerator as f64 / self.denominator as f64
+    }
+
     pub fn is_zero(self) -> bool {
         self.numerator == 0
     }

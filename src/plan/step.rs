@@ -134,20 +134,8 @@ pub const RETIRE: Pass = Pass {
 };
 
 /// All passes, in the order in which they run; of a curve `emit_word` takes the place of `emit`.
-pub const PASSES: [Pass; 12] = [
-    MEASURE,
-    TURTLE,
-    TURTLE_LINKED,
-    LINK,
-    MATCH,
-    CLAIM,
-    COUNT,
-    SCAN,
-    EMIT,
-    EMIT_WORD,
-    COMPACT,
-    RETIRE,
-];
+pub const PASSES: [Pass; 12] =
+    [MEASURE, TURTLE, TURTLE_LINKED, LINK, MATCH, CLAIM, COUNT, SCAN, EMIT, EMIT_WORD, COMPACT, RETIRE];
 
 /// What the rules may know of the time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]

@@ -138,7 +138,8 @@ pub fn rules(system: &System, symbols: &[Symbol], into: usize) -> Vec<(MatchRule
         let hang = Hang { root: symbol.name == "f", ..Hang::default() };
         let points: Vec<Successor> = moves.then(|| Successor { hang, ..here.clone() }).into_iter().collect();
         if let Some(context) = first_of_curve(system) {
-            let behind = |p: &Successor| Successor { hang: Hang { on: Some(0), slot: 1, ..p.hang }, ..p.clone() };
+            let behind =
+                |p: &Successor| Successor { hang: Hang { on: Some(0), slot: 1, ..p.hang }, ..p.clone() };
             let points = [start.clone()].into_iter().chain(points.iter().map(behind)).collect();
             rules.push(rule(predecessor, context, points, span));
         }
@@ -172,16 +173,8 @@ fn rule(
     };
     let exit = points.len().checked_sub(1);
     let cells = points.into_iter().map(Some).collect();
-    let production = Production {
-        rule: 0,
-        predecessor,
-        length: 1,
-        halves: 0,
-        cells,
-        exit,
-        relabels: false,
-        span,
-    };
+    let production =
+        Production { rule: 0, predecessor, length: 1, halves: 0, cells, exit, relabels: false, span };
     (rule, vec![production])
 }
 

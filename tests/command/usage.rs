@@ -226,7 +226,8 @@ fn nets_cannot_be_halved_for_ever() {
 fn help_and_version() {
     let folder = Folder::new();
     let ran = folder.run_in_vain(&["--help"]);
-    let commands = ["run", "tessellate", "check", "wgsl", "compare", "selftest", "devices", "bench"];
+    let commands =
+        ["run", "tessellate", "check", "wgsl", "matrix", "infer", "compare", "selftest", "devices", "bench"];
     for command in commands {
         assert!(ran.succeeds().stdout.contains(&format!("\n  {command} ")), "{ran:?}");
         let help = folder.run_in_vain(&[command, "--help"]);

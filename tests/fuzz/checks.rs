@@ -130,7 +130,13 @@ pub fn check_curves(bytes: &[u8]) -> u64 {
         for curve in curves {
             assert!(curve.iter().flatten().all(|x| x.is_finite()), "{curve:?}");
             let points = curve.iter().map(|&[x, y, z, _]| Value::Vec3([x, y, z]));
-            let module = |point| curve::Module { symbol: 0, params: vec![point], path: 0 };
+            let module = |point| curve::Module {
+                symbol: 0,
+                params: vec![point],
+                path: 0,
+                parent: None,
+                lateral: false,
+            };
             let word = curve::Word {
                 system: "s".to_string(),
                 steps: 0,

@@ -123,13 +123,16 @@ fn other_refusals() {
 
 fn word(topology: Topology, points: &[[f32; 3]]) -> Word {
     let field = Field { name: "v".to_string(), ty: Type::Vec3 };
-    let module = |&p: &[f32; 3]| Module { symbol: 0, params: vec![Value::Vec3(p)], path: 0 };
+    let module = |(n, &p): (usize, &[f32; 3])| {
+        let params = vec![Value::Vec3(p)];
+        Module { symbol: 0, params, path: 0, parent: n.checked_sub(1), lateral: false }
+    };
     Word {
         system: "s & <t>".to_string(),
         steps: 1,
         topology,
         symbols: vec![Symbol { name: "P".to_string(), fields: vec![field] }],
-        modules: points.iter().map(module).collect(),
+        modules: points.iter().enumerate().map(module).collect(),
     }
 }
 

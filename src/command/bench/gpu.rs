@@ -4,11 +4,11 @@ use super::kernels::{ELEMENTS, SCAN_ELEMENTS, scan_source};
 use super::patches::{FRONTIERS, derive_case, frontier_case, last_step_case, step_case};
 use super::systems::Plans;
 use super::tessellation::{self, frame_bytes};
-use super::{Case, Failure, timed};
+use super::{Case, Failure, curves, timed};
 use crate::command::run::of_gpu;
 use burgeon::codegen::{Mapping, Tuning};
 use burgeon::gpu::tessellate::{Capacity, Part, Tessellator};
-use burgeon::gpu::{Bandwidth, Engine, Gpu, Headless, Measure, Requirement, Scans};
+use burgeon::gpu::{Bandwidth, Engine, Gpu, Headless, Measure, Requirement, Scans, Stencil};
 use burgeon::patch::Net;
 use burgeon::plan::Plan;
 use burgeon::tessellate::{Level, Options};
@@ -71,11 +71,37 @@ impl Adapter {
         }
         let curves = (&plans.chaikin, &plans.symbols);
         super::words::cases(curves, |plan| backend(&engine, plan), wanted, ("gpu", 0), of_gpu, cases)?;
+        if wanted("curve/stencil") {
+            stencils(&engine, &plans.smoothed, cases)?;
+        }
         if wanted("tessellate") {
             tessellations(&engine, roots, crowd, cases)?;
         }
         scans(&engine, wanted, cases)
     }
+}
+
+fn stencils<'a>(engine: &Engine, plan: &'a Plan, cases: &mut Vec<Case<'a>>) -> Result<(), Failure> {
+    let table = curves::table(plan)?;
+    let stencil = Stencil::new(engine, &table).map_err(of_gpu)?;
+    let control = curves::control();
+    let device = engine.clone();
+    let run = move || {
+        timed(
+            || {
+                stencil.set(&control).map_err(of_gpu)?;
+                let mut encoder = device.device().create_command_encoder(&Default::default());
+                stencil.encode(&mut encoder);
+                device.queue().submit([encoder.finish()]);
+                let lost = |_| Failure::Device("error: the device was lost".to_string());
+                device.device().poll(wgpu::PollType::wait_indefinitely()).map(|_| ()).map_err(lost)
+            },
+            |e| e,
+        )
+    };
+    cases.push(Case { run: Box::new(run), ..curves::stencil_case(&table, ("gpu", 0)) });
+    cases.push(curves::derived_case(plan, backend(engine, plan)?, ("gpu", 0), of_gpu)?);
+    Ok(())
 }
 
 fn tessellations<'a>(

@@ -4,6 +4,7 @@
 //! are used again; a figure is the median of its rounds. Bytes are counted, not measured: what the
 //! case must read and write at least.
 
+mod curves;
 #[cfg(feature = "gpu")]
 mod gpu;
 #[cfg(not(feature = "gpu"))]
@@ -24,7 +25,7 @@ use std::time::{Duration, Instant};
 use systems::{Plans, roots};
 
 /// The names a call may give.
-const NAMES: [&str; 13] = [
+const NAMES: [&str; 14] = [
     "copy",
     "expand",
     "flops",
@@ -33,6 +34,7 @@ const NAMES: [&str; 13] = [
     "curve/derive",
     "curve/step",
     "word/context",
+    "curve/stencil",
     "scan",
     "compact",
     "tessellate",
@@ -114,6 +116,9 @@ pub fn bench(flags: &flags::Bench) -> Result<(), Failure> {
         derive_cases(&plans, &roots, flags.levels, &mut cases)?;
     }
     words::cpu_cases((&plans.chaikin, &plans.symbols), &wanted, &mut cases)?;
+    if wanted("curve/stencil") {
+        curves::cpu_cases(&plans, &mut cases)?;
+    }
     if wanted("scan") || wanted("compact") {
         scan_cases(&mut cases);
         cases.retain(|c| wanted(c.name));

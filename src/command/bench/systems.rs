@@ -20,6 +20,8 @@ pub(super) struct Plans {
     pub(super) frontier: Plan,
     /// Curves.
     pub(super) chaikin: Plan,
+    /// Of which tables of stencils are made.
+    pub(super) smoothed: Plan,
     pub(super) symbols: Plan,
 }
 
@@ -52,6 +54,7 @@ impl Plans {
             others: others.collect::<Result<_, Failure>>()?,
             frontier: plan(FRONTIER)?,
             chaikin: plan(words::CHAIKIN)?,
+            smoothed: plan(super::curves::CHAIKIN)?,
             symbols: plan(words::SYMBOLS)?,
         })
     }

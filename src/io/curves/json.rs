@@ -4,6 +4,9 @@
 //! {"version": 1, "kind": "curve", "system": "chaikin", "steps": 3, "topology": "ring",
 //!  "modules": [{"symbol": "P", "params": [[0.25, 0.0]]}, …]}
 //! ```
+//!
+//! A module that does not hang on the one before it tells its `parent`, the index of a module or null, and whether it is
+//! the first of a branch: `"parent": 3, "lateral": true`.
 
 use super::super::number::Number;
 use super::super::write::WriteError;
@@ -41,7 +44,13 @@ pub fn write(writer: &mut dyn Write, word: &Word) -> Result<(), WriteError> {
         let params: Vec<Param> = module.params.iter().map(Param).collect();
         let params = serde_json::to_string(&params).map_err(std::io::Error::from)?;
         let comma = if n == 0 { "" } else { "," };
-        write!(writer, "{comma}\n{{\"symbol\":{symbol},\"params\":{params}}}")?;
+        write!(writer, "{comma}\n{{\"symbol\":{symbol},\"params\":{params}")?;
+        // Where nothing is said, a module hangs on the one before.
+        if module.parent != n.checked_sub(1) || module.lateral {
+            let (parent, lateral) = (json!(module.parent), module.lateral);
+            write!(writer, ",\"parent\":{parent},\"lateral\":{lateral}")?;
+        }
+        write!(writer, "}}")?;
     }
     Ok(writeln!(writer, "\n]}}")?)
 }

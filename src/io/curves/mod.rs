@@ -36,7 +36,30 @@ pub fn read(path: impl AsRef<Path>) -> Result<Vec<Polyline>, ReadError> {
     }
 }
 
-/// The curves of a word: the positions of its modules, and whether they close.
+/// The curves of a word: the positions of its modules, and whether they close. Of a tree each axis is one, that of a
+/// branch from the point where it branches off.
 pub fn polylines(word: &Word) -> Vec<(Vec<[f32; 3]>, bool)> {
-    vec![(word.points(), word.topology == Topology::Ring)]
+    if word.topology == Topology::Ring {
+        return vec![(word.points(), true)];
+    }
+    // Where each branches off, and its points.
+    let mut curves: Vec<(Option<[f32; 3]>, Vec<[f32; 3]>)> = Vec::new();
+    // For each module the curve of its axis, and where it stands or the last before it that has a position.
+    let mut places: Vec<(usize, Option<[f32; 3]>)> = Vec::with_capacity(word.modules.len());
+    for module in &word.modules {
+        let before = module.parent.map(|parent| places[parent]);
+        let curve = match before {
+            Some((curve, _)) if !module.lateral => curve,
+            _ => {
+                let start = before.and_then(|(_, at)| at);
+                curves.push((start, Vec::new()));
+                curves.len() - 1
+            }
+        };
+        let own = module.position();
+        curves[curve].1.extend(own);
+        places.push((curve, own.or(before.and_then(|(_, at)| at))));
+    }
+    let drawn = curves.into_iter().filter(|(_, points)| !points.is_empty());
+    drawn.map(|(start, points)| (start.into_iter().chain(points).collect(), false)).collect()
 }
