@@ -2,6 +2,7 @@
 
 mod engines;
 mod examples;
+mod words;
 
 #[cfg(feature = "gpu")]
 use crate::device;
@@ -192,7 +193,7 @@ fn difference(engine: &burgeon::gpu::Engine) -> Option<String> {
             }
         }
     }
-    None
+    words::difference(engine)
 }
 
 #[cfg(feature = "gpu")]
@@ -229,6 +230,10 @@ const MUTANTS: &[(&str, &str, &str)] = &[
     ("branches", "return true;", "return false;"),
     ("branches", "i = end_of(after)", "i = after + 1u"),
     ("branches", "if ignored(symbol_at(i))", "if false"),
+    ("links", "return word_at(i, LINK);", "return i;"),
+    ("branches", "low = middle + 1u", "low = middle"),
+    ("branches", "word_at(i - 1u, WORD) != word_at(i, WORD)", "false"),
+    ("emit_word", "offsets[first_of(i)] | (link & LATERAL)", "NONE | (link & LATERAL)"),
     ("links", "if i >= extent.count {\n    return END;", "if false {\n    return END;"),
     ("rules", "rule_word(rule) >> 24u", "0u"),
     ("claim", "return state - 1u", "return state"),

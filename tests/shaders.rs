@@ -445,7 +445,6 @@ fn structs_lie_in_wgsl_as_in_rust() {
 
 // --- files ---------------------------------------------------------------------------------------
 
-/// A file without its imports, as it stands in every module that links it.
 /// What of a file stands in a linked module as it is: loops may be written out.
 fn declarations(text: &str) -> impl Iterator<Item = &str> {
     text.lines()
@@ -464,6 +463,7 @@ fn every_file_is_linked_by_some_kernel_and_says_what_it_is() {
         for plan in [small_curve(), small_links()] {
             linked.extend(shaders(&plan, tuning).into_iter().map(|s| s.source));
         }
+        linked.push(codegen::stencil(tuning).expect("stencil").source);
         linked.extend(codegen::measures(tuning).expect("copy and expand").map(|s| s.source));
     }
     for file in files("wgsl", "wgsl").iter().chain(&files("wgsl/shared", "wgsl")) {

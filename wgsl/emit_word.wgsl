@@ -25,6 +25,10 @@ fn hang_of(i: u32) -> u32 {
   let link = links[HANGS * extent.count + i];
   let on = found(link);
   if on == NOWHERE {
+    // All that a turtle writes hangs on the point at which it starts.
+    if TRACED {
+      return offsets[first_of(i)] | (link & LATERAL);
+    }
     return NONE | (link & LATERAL);
   }
   return (offsets[on] + exit_of(rules[on])) | (link & LATERAL);

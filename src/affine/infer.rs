@@ -204,7 +204,9 @@ impl Production {
     /// As the language writes it, with the paper's names.
     fn text(&self) -> String {
         let width = self.width as i64;
-        let read = |place: i64| self.rows.iter().flatten().any(|e| e.0 == place);
+        // A point of no weights at all is none of the first.
+        let nothing = self.rows.iter().any(|row| row.is_empty());
+        let read = |place: i64| place == 0 && nothing || self.rows.iter().flatten().any(|e| e.0 == place);
         let name = |place: i64| match place {
             ..0 => format!("v{}", "l".repeat(place.unsigned_abs() as usize)),
             0 if width == 1 => "v".to_string(),

@@ -138,7 +138,7 @@ fn equal(test: &Equal) -> String {
 fn place_text(place: Place) -> String {
     match place {
         Place::Found { step, .. } => format!("s{step}"),
-        Place::Previous => "(own - 1u)".to_string(),
+        Place::Previous => "previous(own)".to_string(),
         Place::Strict(n) => format!("beside(own, {n}u)"),
         Place::Before(n) => (0..n).fold("own".to_string(), |text, _| format!("up_of({text})")),
         Place::Behind { last, steps } => {
@@ -406,7 +406,7 @@ impl<'a> Values<'a> {
                 format!("i32({}.q0.x & 0xffffu)", self.near.get(&offset).map_or("m", String::as_str))
             }
             Node::Behind => "i32(extent.wanted - m.index)".to_string(),
-            Node::Previous => "bitcast<i32>(m.index - 1u)".to_string(),
+            Node::Previous => "bitcast<i32>(previous(m.index))".to_string(),
             Node::Index => "bitcast<i32>(m.index)".to_string(),
             Node::Beside(places) => format!("bitcast<i32>(beside(m.index, {places}u))"),
             Node::Up(n) => format!("bitcast<i32>(up_of({}))", self.place(n)),

@@ -299,12 +299,13 @@ pub fn measures(tuning: &Tuning) -> Result<[Shader; 2], Error> {
 
 fn layout_constants(layout: &Layout, tuning: &Tuning) -> String {
     format!(
-        "const WORKGROUP = {}u;\nconst QUADS = {}u;\nconst HALO = {}u;\nconst LINK = {}u;\nconst POINTS = {}u;\nconst ROWS = {}u;\nconst COLUMNS = {}u;\n\
+        "const WORKGROUP = {}u;\nconst QUADS = {}u;\nconst HALO = {}u;\nconst LINK = {}u;\nconst WORD = {}u;\nconst POINTS = {}u;\nconst ROWS = {}u;\nconst COLUMNS = {}u;\n\
          const LINES = {}u;\nconst NETS = {}u;\n",
         tuning.workgroup,
         layout.record_words / 4,
         layout.halo(),
         layout.link.unwrap_or(0),
+        layout.word.unwrap_or(0),
         layout.net_points(),
         layout.degree[0] + 1,
         layout.degree[1] + 1,
@@ -315,9 +316,10 @@ fn layout_constants(layout: &Layout, tuning: &Tuning) -> String {
 
 fn stage_constants(plan: &Plan, stage: &Stage, tuning: &Tuning) -> String {
     format!(
-        "{}{}const CLOSED = {}u;\nconst MEASURED = {}u;\nconst CELLS = {}u;\n",
+        "{}{}const TRACED = {};\nconst CLOSED = {}u;\nconst MEASURED = {}u;\nconst CELLS = {}u;\n",
         layout_constants(&plan.tables.layout, tuning),
         rule_constants(stage),
+        stage.roots,
         stage.closed.unwrap_or(0),
         stage.row.words,
         generate::cells(stage),

@@ -4,7 +4,7 @@
 //! walk through the word does. Only the first module of a ring hangs on one behind it.
 
 use crate::plan::layout::{LATERAL, Layout, NONE};
-use crate::plan::links::{Links, NOWHERE, link_of};
+use crate::plan::links::{Linked, Links, NOWHERE, link_of};
 use crate::plan::tables::NO_EXIT;
 
 /// Fills `links`; the ends of what hangs on a module only where `branches` are looked into.
@@ -67,41 +67,40 @@ pub fn link(layout: &Layout, records: &[u32], ignored: &[bool], branches: bool, 
 }
 
 /// For each module what its children hang on: the exit of what its parent becomes, or, where that leaves nothing
-/// on the axis, of what the parent hangs on.
-pub fn rehang(
-    layout: &Layout,
-    records: &[u32],
-    words: &[u32],
-    rules: &[u32],
-    offsets: &[u32],
-    out: &mut Vec<u32>,
-) {
-    let n = records.len() / layout.record_words;
-    let link = |i: usize| link_of(layout, &records[i * layout.record_words..][..layout.record_words]);
-    let exit = |i: usize| match words[rules[i] as usize] >> 24 {
+/// on the axis, of what the parent hangs on. With `start` all that hangs on nothing hangs on the first child of its
+/// word's first module: the point at which a turtle starts.
+pub fn rehang(word: &Linked, words: &[u32], rules: &[u32], offsets: &[u32], start: bool, out: &mut Vec<u32>) {
+    let exit = |i: u32| match words[rules[i as usize] as usize] >> 24 {
         NO_EXIT => None,
-        cell => Some(offsets[i] + cell),
+        cell => Some(offsets[i as usize] + cell),
     };
+    // The first module of each word, as the walk goes on.
+    let mut first = 0;
     out.clear();
-    for i in 0..n {
-        let (mut lateral, mut at) = (link(i) & LATERAL, link(i) & NONE);
-        for _ in 0..n {
-            if at == NONE || exit(at as usize).is_some() {
-                break;
+    for i in 0..rules.len() as u32 {
+        if word.previous(i) == NOWHERE {
+            first = i;
+        }
+        let (mut lateral, mut at) = (0, i);
+        let hangs = loop {
+            let link = word.link(at);
+            lateral |= link & LATERAL;
+            at = link & NONE;
+            if at == NONE {
+                break if start { offsets[first as usize] } else { NONE };
             }
-            if (at as usize) < i {
+            if let Some(child) = exit(at) {
+                break child;
+            }
+            if at < i {
                 lateral |= out[at as usize] & LATERAL;
-                at = out[at as usize] & NONE;
-                out.push(at | lateral);
-                break;
+                break out[at as usize] & NONE;
             }
-            lateral |= link(at as usize) & LATERAL;
-            at = link(at as usize) & NONE;
-        }
-        if out.len() > i {
-            continue;
-        }
-        let there = if at == NONE { None } else { exit(at as usize) };
-        out.push(there.unwrap_or(NONE) | lateral);
+            // A ring of which nothing is left.
+            if at == i {
+                break NONE;
+            }
+        };
+        out.push(hangs | lateral);
     }
 }

@@ -193,9 +193,9 @@ impl<'a> Cpu<'a> {
         if modules * layout.module_bytes() > room {
             return Outcome::NoRoom { needed: modules * layout.module_bytes(), modules };
         }
-        if layout.link.is_some() {
+        if let Some(word) = &input.linked {
             let Columns { rules, offsets, hangs, .. } = &mut *columns;
-            link::rehang(&layout, chunk.own(&layout), &stage.rule_words(), rules, offsets, hangs);
+            link::rehang(word, &stage.rule_words(), rules, offsets, stage.roots, hangs);
         }
         let columns = &*columns;
         (input.offsets, input.hangs) = (&columns.offsets, &columns.hangs);

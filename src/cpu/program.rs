@@ -124,8 +124,8 @@ pub fn run(graph: &Graph, block: &Input, registers: &mut Registers) {
                 out.iter_mut().zip(column).take(block.len()).for_each(|(o, w)| *o = *w & 0xffff);
             }
             Node::Previous => {
-                let before = (block.first as u32).wrapping_sub(1);
-                out.iter_mut().enumerate().for_each(|(i, o)| *o = before.wrapping_add(i as u32));
+                let before = |i: u32| block.linked.map_or(NOWHERE, |word| word.previous(i));
+                out.iter_mut().zip(block.first as u32..).take(block.len()).for_each(|(o, i)| *o = before(i));
             }
             Node::Index => out.iter_mut().zip(block.first as u32..).for_each(|(o, i)| *o = i),
             Node::Beside(places) => {

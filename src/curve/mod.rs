@@ -1,8 +1,10 @@
 //! Words of a curve: what they start from, and what a derivation reads back.
 
 mod axiom;
+mod words;
 
 pub use axiom::{Axiom, AxiomError, Curves, Part, Root};
+pub use words::{Start, Words};
 
 use crate::language::expr::Value;
 use crate::language::system::Topology;

@@ -109,7 +109,7 @@ pub fn evaluate(graph: &Graph, module: &Module) -> Vec<Known> {
             Node::NearSymbol(offset) => Known::Exact(module.near(offset, 0) & 0xffff),
             // Which of two backends counts, they agree on: it is no float.
             Node::Behind => Known::Exact(module.behind),
-            Node::Previous => Known::Exact(module.index.wrapping_sub(1)),
+            Node::Previous => module.walk(|word| word.previous(module.index)),
             Node::Index => Known::Exact(module.index),
             Node::Beside(places) => module.walk(|word| word.beside(module.index, places)),
             Node::Up(n) => module.walk(|word| word.up(exact(known[n]))),

@@ -77,6 +77,7 @@ impl StageCode {
                     continue;
                 };
                 let mut words = lower.path(stage, production, cell.hang.slot, layout);
+                words.extend(layout.word.map(|word| (lower.graph.word_of(word), word)));
                 words.extend(layout.link.map(|word| (lower.graph.link(&cell.hang), word)));
                 words.extend(lower.args(&cell.args, &symbols[cell.symbol]));
                 args.push(words);
@@ -115,6 +116,7 @@ impl<'a> Lower<'a> {
             names: Names {
                 fields,
                 linked: layout.link.is_some(),
+                word: layout.word,
                 searches,
                 environment,
                 subject: Subject::Module(&stage.row),

@@ -39,6 +39,9 @@ impl Place {
     }
 }
 
+/// In place of a symbol: one that stands nowhere.
+const NEVER: u32 = 1 << 16;
+
 /// A module that a rule asks for.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Near {
@@ -144,9 +147,14 @@ pub fn surroundings(
             ask(behind(c.symbols.len()), END as usize);
         }
     }
+    // A ring has no ends, though all of it may be ignored.
+    if system.kind == Kind::Curve(Topology::Ring) {
+        let ends = context.iter_mut().filter(|near| near.symbol == END);
+        ends.for_each(|near| near.symbol = NEVER);
+    }
     // In a ring of one symbol every module has that one around it.
     if system.kind == Kind::Curve(Topology::Ring) && symbols.len() == 1 && system.ignored.is_empty() {
-        context.retain(|near| near.symbol == END || matches!(near.place, Place::Strict(_)));
+        context.retain(|near| near.symbol == NEVER || matches!(near.place, Place::Strict(_)));
     }
 
     // For each binder its place and the word of the record there.

@@ -67,6 +67,13 @@ pub trait Start {
     fn modules(&self, plan: &Plan, uniforms: &[Value]) -> Result<Modules, Error>;
     /// Roots, each of which may be bound a value of its own.
     fn roots(&self) -> usize;
+    /// Of several words at once the uniforms of each; else none.
+    ///
+    /// # Errors
+    /// As [`Plan::uniforms`].
+    fn each(&self, _: &Plan) -> Result<Vec<(Vec<Value>, u32)>, Error> {
+        Ok(Vec::new())
+    }
 }
 
 impl Start for patch::Axiom {
@@ -78,8 +85,38 @@ impl Start for patch::Axiom {
     }
 }
 
+impl Start for curve::Words {
+    fn modules(&self, plan: &Plan, _: &[Value]) -> Result<Modules, Error> {
+        let Layout { link: Some(link), word: Some(word), record_words, .. } = plan.tables.layout else {
+            return Err(Error::Axiom("several words need a plan of words: Plan::of_words".to_string()));
+        };
+        let mut records: Vec<u32> = Vec::new();
+        for (n, (start, (uniforms, _))) in self.words.iter().zip(self.each(plan)?).enumerate() {
+            let first = (records.len() / record_words) as u32;
+            let at = records.len();
+            records.extend(plan.curve_axiom(&start.axiom, &uniforms)?);
+            for record in records[at..].chunks_exact_mut(record_words) {
+                record[word] = n as u32;
+                if record[link] & NONE != NONE {
+                    record[link] += first;
+                }
+            }
+        }
+        Ok((records, Vec::new()))
+    }
+    fn roots(&self) -> usize {
+        self.words.iter().map(|start| start.axiom.len()).sum()
+    }
+    fn each(&self, plan: &Plan) -> Result<Vec<(Vec<Value>, u32)>, Error> {
+        self.words.iter().map(|start| Ok((plan.uniforms(&start.set)?, start.seed))).collect()
+    }
+}
+
 impl Start for curve::Axiom {
     fn modules(&self, plan: &Plan, uniforms: &[Value]) -> Result<Modules, Error> {
+        if plan.tables.layout.word.is_some() {
+            return Err(Error::Axiom("a plan of words takes several of them: curve::Words".to_string()));
+        }
         Ok((plan.curve_axiom(self, uniforms)?, Vec::new()))
     }
     fn roots(&self) -> usize {
@@ -186,8 +223,18 @@ pub fn derive<B: Backend>(
     options: &Options,
     backend: &mut B,
 ) -> Result<Derivation<B::Chunk>, B::Error> {
-    let schedule = schedule::unroll(plan, uniforms)?;
-    let given = Given::new(&plan.system, axiom.roots(), &options.bind, options.view)?;
+    let each = axiom.each(plan)?;
+    let schedule = match each.split_first() {
+        None => schedule::unroll(plan, uniforms)?,
+        Some(((first, _), others)) => {
+            schedule::of_all(plan, first, others.iter().map(|(u, _)| u.as_slice()))?
+        }
+    };
+    let words = |(uniforms, seed): &(Vec<Value>, u32)| {
+        uniforms.iter().flat_map(Value::words).chain([*seed]).collect::<Vec<u32>>()
+    };
+    let words = each.iter().flat_map(words).collect();
+    let given = Given::behind(words, &plan.system, axiom.roots(), &options.bind, options.view)?;
     backend.bind(&given)?;
     let (records, nets) = axiom.modules(plan, uniforms)?;
     refuse_growth(plan, &records, &schedule, options)?;
@@ -430,48 +477,96 @@ pub fn collect<B: Backend>(
     Ok(word(plan, &layout, derivation.steps.len() as u32, &records, nets))
 }
 
+/// Reads several words that were derived at once; those of which nothing is left are empty.
+pub fn collect_words<B: Backend>(
+    plan: &Plan,
+    backend: &mut B,
+    derivation: &Derivation<B::Chunk>,
+    count: usize,
+) -> Result<Vec<curve::Word>, B::Error> {
+    let layout = plan.tables.layout;
+    let Some(at) = layout.word else {
+        return Err(Error::Axiom("only a plan of words has several: Plan::of_words".to_string()).into());
+    };
+    let mut all: Vec<Vec<u32>> = vec![Vec::new(); count];
+    let mut first = vec![0; count];
+    let mut modules = 0;
+    for chunk in &derivation.chunks {
+        for record in backend.read(chunk)?.0.chunks_exact(layout.record_words) {
+            let word = record[at] as usize;
+            let Some(records) = all.get_mut(word) else {
+                let what = format!("module {modules} is of no word: the device is not right");
+                return Err(Error::Value(what).into());
+            };
+            if records.is_empty() {
+                first[word] = modules;
+            }
+            records.extend(record);
+            modules += 1;
+        }
+    }
+    let words = all
+        .iter()
+        .zip(first)
+        .map(|(records, first)| curve_word(plan, derivation.steps.len(), records, first));
+    Ok(words.collect::<Result<_, Error>>()?)
+}
+
 /// Reads all chunks of a curve's word.
 pub fn collect_curve<B: Backend>(
     plan: &Plan,
     backend: &mut B,
     derivation: &Derivation<B::Chunk>,
 ) -> Result<curve::Word, B::Error> {
-    let layout = plan.tables.layout;
-    let mut modules: Vec<curve::Module> = Vec::new();
+    let mut records = Vec::new();
     for chunk in &derivation.chunks {
-        let (records, _) = backend.read(chunk)?;
-        for record in records.chunks_exact(layout.record_words) {
-            let symbol = (record[0] & 0xffff) as usize;
-            let Some(table) = plan.tables.symbols.get(symbol) else {
-                let what =
-                    format!("module {} of the word has no symbol: the device is not right", modules.len());
-                return Err(Error::Value(what).into());
-            };
-            let at = modules.len();
-            let (parent, lateral) = match layout.link.map(|word| record[word]) {
-                None => (at.checked_sub(1), false),
-                Some(link) => (Some((link & NONE) as usize).filter(|&p| p < at), link & LATERAL != 0),
-            };
-            let params = table.fields.iter().zip(&table.words);
-            modules.push(curve::Module {
-                symbol,
-                params: params.map(|(f, &at)| Value::from_words(&f.ty, &record[at..])).collect(),
-                path: if layout.has_paths() { u64::from(record[1]) << 32 | u64::from(record[2]) } else { 0 },
-                parent,
-                lateral,
-            });
+        let (read, _) = backend.read(chunk)?;
+        if records.is_empty() {
+            records = read;
+        } else {
+            records.extend(read);
         }
     }
+    Ok(curve_word(plan, derivation.steps.len(), &records, 0)?)
+}
+
+/// The word of these records, the first of which others hang on by the number `first`.
+fn curve_word(plan: &Plan, steps: usize, records: &[u32], first: usize) -> Result<curve::Word, Error> {
+    let layout = plan.tables.layout;
     let Kind::Curve(topology) = plan.system.kind else {
-        return Err(Error::Axiom(format!("{} is no curve system", plan.system.name)).into());
+        return Err(Error::Axiom(format!("{} is no curve system", plan.system.name)));
     };
+    let module = |(at, record): (usize, &[u32])| {
+        let symbol = (record[0] & 0xffff) as usize;
+        let Some(table) = plan.tables.symbols.get(symbol) else {
+            return Err(Error::Value(format!(
+                "module {at} of the word has no symbol: the device is not right"
+            )));
+        };
+        let (parent, lateral) = match layout.link.map(|word| record[word]) {
+            None => (at.checked_sub(1), false),
+            Some(link) => {
+                let parent = ((link & NONE) as usize).checked_sub(first);
+                (parent.filter(|&parent| parent < at), link & LATERAL != 0)
+            }
+        };
+        let params = table.fields.iter().zip(&table.words);
+        Ok(curve::Module {
+            symbol,
+            params: params.map(|(f, &at)| Value::from_words(&f.ty, &record[at..])).collect(),
+            path: if layout.has_paths() { u64::from(record[1]) << 32 | u64::from(record[2]) } else { 0 },
+            parent,
+            lateral,
+        })
+    };
+    let modules = records.chunks_exact(layout.record_words).enumerate().map(module);
     let symbols = plan.tables.symbols.iter();
     Ok(curve::Word {
         system: plan.system.name.clone(),
-        steps: derivation.steps.len() as u32,
+        steps: steps as u32,
         topology,
         symbols: symbols.map(|s| patch::Symbol { name: s.name.clone(), fields: s.fields.clone() }).collect(),
-        modules,
+        modules: modules.collect::<Result<_, _>>()?,
     })
 }
 

@@ -104,6 +104,17 @@ impl Given {
         bound: &[(String, Values)],
         view: Option<View>,
     ) -> Result<Given, Error> {
+        Given::behind(Vec::new(), system, roots, bound, view)
+    }
+
+    /// The same behind other words: of several curves at once the uniforms of each, and its seed.
+    pub(super) fn behind(
+        words: Vec<u32>,
+        system: &System,
+        roots: usize,
+        bound: &[(String, Values)],
+        view: Option<View>,
+    ) -> Result<Given, Error> {
         for (name, _) in bound {
             if !system.queries.iter().any(|q| q.name == *name && q.value.is_none()) {
                 return Err(Error::Bind(no_such_query(system, name)));
@@ -115,7 +126,7 @@ impl Given {
         {
             return Err(Error::View { attribute: name });
         }
-        let mut given = Given { environment: view_words(view.unwrap_or(NO_VIEW)), words: Vec::new() };
+        let mut given = Given { environment: view_words(view.unwrap_or(NO_VIEW)), words };
         for (n, query) in system.queries.iter().enumerate() {
             let values = bound.iter().rev().find(|(name, _)| *name == query.name).map(|(_, values)| values);
             match (reads.forms[n], values) {

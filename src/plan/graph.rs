@@ -118,6 +118,8 @@ pub struct Names<'a> {
     pub fields: Vec<(Place, usize)>,
     /// Places are found along links.
     pub linked: bool,
+    /// The word of the record that says which of several words it is of.
+    pub word: Option<usize>,
     pub searches: &'a [Search],
     /// The words of the record that say which module it is, for random numbers.
     pub path: Vec<usize>,
@@ -265,7 +267,7 @@ impl Graph {
             }
             ExprKind::Uniform(n) => {
                 let at = names.environment.uniforms[*n];
-                (at..at + words).map(|w| self.push(Node::Uniform(ty, w))).collect()
+                (at..at + words).map(|w| self.uniform(ty, w, names)).collect()
             }
             ExprKind::Let(n) => names.lets[*n].clone(),
             ExprKind::Attribute(name) => match names.subject {
@@ -459,11 +461,41 @@ impl Graph {
         [self.int(0), self.push(Node::Number(slot))]
     }
 
+    /// A word of the uniforms; where several words are derived at once that of the module's.
+    fn uniform(&mut self, ty: Scalar, word: usize, names: &Names) -> NodeId {
+        match names.word {
+            None => self.push(Node::Uniform(ty, word)),
+            Some(field) => self.of_word(ty, field, word, names),
+        }
+    }
+
+    fn seed(&mut self, names: &Names) -> NodeId {
+        match names.word {
+            None => self.push(Node::Seed),
+            Some(field) => self.of_word(Scalar::Int, field, names.environment.uniform_words, names),
+        }
+    }
+
+    /// What is given of the module's word: its uniforms, then its seed, one word after the other.
+    fn of_word(&mut self, ty: Scalar, field: usize, word: usize, names: &Names) -> NodeId {
+        let index = self.push(Node::Field(Scalar::Int, field));
+        let stride = self.int(names.environment.uniform_words as u32 + 1);
+        let start = self.ints("*", &[index, stride]);
+        let word = self.int(word as u32);
+        let at = self.ints("+", &[start, word]);
+        self.push(Node::Given(ty, at))
+    }
+
+    /// The word of the record that says which of several words it is of.
+    pub fn word_of(&mut self, field: usize) -> NodeId {
+        self.push(Node::Field(Scalar::Int, field))
+    }
+
     /// The hash behind one random number: of the seed, for a module the step of the whole run, what names
     /// it (of a patch module root and order key), the rule, and the call in it.
     fn draw(&mut self, names: &Names, call: u32) -> NodeId {
         let (mut hash, step) = match names.subject {
-            Subject::Module(_) => (self.push(Node::Seed), Some(self.push(Node::RunStep))),
+            Subject::Module(_) => (self.seed(names), Some(self.push(Node::RunStep))),
             Subject::Vertex { seed } => (self.push(Node::Uniform(Scalar::Int, seed)), None),
         };
         let path: Vec<NodeId> =

@@ -40,7 +40,8 @@ impl Linked<'_> {
         self.records.get((i as usize).checked_mul(words)?..)?.get(..words)
     }
 
-    fn link(&self, i: u32) -> u32 {
+    /// What a module hangs on.
+    pub fn link(&self, i: u32) -> u32 {
         self.record(i).map_or(NONE, |record| link_of(&self.layout, record))
     }
 
@@ -71,6 +72,15 @@ impl Linked<'_> {
             return NOWHERE;
         }
         if (1..=places).all(follows) { i + places } else { NOWHERE }
+    }
+
+    /// The module before in memory, if it is of the same word.
+    pub fn previous(&self, i: u32) -> u32 {
+        let word = |i: u32| self.layout.word.map(|word| self.word(i, word));
+        match i.checked_sub(1) {
+            Some(before) if word(before) == word(i) => before,
+            _ => NOWHERE,
+        }
     }
 
     /// A place that is no search's.

@@ -104,6 +104,25 @@ impl Plan {
         Ok(Plan { hole: Some(hole), ..Plan::new(&system)? })
     }
 
+    /// The same for several independent words of a curve system at once ([`curve::Words`]).
+    ///
+    /// # Errors
+    /// Also where the system is none of curves.
+    pub fn of_words(system: &System) -> Result<Plan, Unsupported> {
+        if !matches!(system.kind, Kind::Curve(_)) {
+            return Err(Unsupported::new(
+                "several words of a system without curves",
+                system.source.kind_span,
+            ));
+        }
+        Ok(Plan {
+            tables: Tables::of_words(system)?,
+            placement: None,
+            system: Arc::new(system.clone()),
+            hole: None,
+        })
+    }
+
     /// Whether control points have weights.
     pub fn rational(&self) -> bool {
         matches!(self.system.kind, Kind::Patch { rational: true, .. })

@@ -84,6 +84,7 @@ impl Placement {
         let mut names = Names {
             fields: Vec::new(),
             linked: false,
+            word: None,
             searches: &[],
             // Of the record of a vertex.
             path: vec![1, 2, 3],

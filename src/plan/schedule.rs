@@ -29,6 +29,27 @@ pub fn unroll(plan: &Plan, uniforms: &[Value]) -> Result<Vec<Derive>, Error> {
     Ok(list)
 }
 
+/// The one schedule of several words.
+///
+/// # Errors
+/// Also where a word, counted from 0, has another one than the first.
+pub fn of_all<'a>(
+    plan: &Plan,
+    first: &[Value],
+    others: impl Iterator<Item = &'a [Value]>,
+) -> Result<Vec<Derive>, Error> {
+    let list = unroll(plan, first)?;
+    for (n, uniforms) in others.enumerate() {
+        if unroll(plan, uniforms)? != list {
+            let n = n + 1;
+            return Err(Error::Value(format!(
+                "word {n} has another schedule than word 0: the params in the counts of `run:` must be the same"
+            )));
+        }
+    }
+    Ok(list)
+}
+
 fn steps(
     plan: &Plan,
     uniforms: &[Value],

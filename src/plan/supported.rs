@@ -53,10 +53,13 @@ pub const MOST_CELLS: usize = 255;
 pub const MOST_STRICT: usize = 8;
 
 /// Whether every part of the rule is derived.
-pub fn rule(rule: &Rule, kind: Kind) -> Result<(), Unsupported> {
-    let curve = matches!(kind, Kind::Curve(_));
+pub fn rule(rule: &Rule, system: &System) -> Result<(), Unsupported> {
+    let curve = matches!(system.kind, Kind::Curve(_));
     if let Some(context) = rule.left.as_ref().or(rule.right.as_ref()).filter(|_| !curve) {
         return Err(Unsupported::new("contexts in patch systems", context.span));
+    }
+    if let Some(query) = rule.queries.iter().find(|q| curve && system.queries[q.query].value.is_none()) {
+        return Err(Unsupported::new("queries that are bound to roots, in curve systems", query.span));
     }
     match rule.strict.len() {
         1 => {}

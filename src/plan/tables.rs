@@ -298,6 +298,8 @@ pub struct Tables {
 pub struct Environment {
     /// For each uniform the word where it begins.
     pub uniforms: Vec<usize>,
+    /// Words of all uniforms.
+    pub uniform_words: usize,
     pub given: Places,
     /// For each query the words of a value.
     pub queries: Vec<usize>,
@@ -306,6 +308,15 @@ pub struct Environment {
 impl Tables {
     /// Builds the tables of a system, or names what this version does not derive.
     pub fn new(system: &System) -> Result<Tables, Unsupported> {
+        Tables::build(system, false)
+    }
+
+    /// The same for several words at once of a curve system.
+    pub fn of_words(system: &System) -> Result<Tables, Unsupported> {
+        Tables::build(system, true)
+    }
+
+    fn build(system: &System, words: bool) -> Result<Tables, Unsupported> {
         supported::system(system)?;
         let param_words = system.symbols.iter().map(|s| s.fields.iter().map(|f| f.ty.words()).sum());
         let layout = match system.kind {
@@ -315,8 +326,12 @@ impl Tables {
                 // A word in which the turtle moves without drawing becomes several curves.
                 let moves = system.symbols.iter().any(|s| s.name == "f");
                 let traces = rules_of(&system.run).iter().any(|of| matches!(of, RulesOf::Trace(_)));
-                let links = tree || !system.ignored.is_empty() || moves && traces;
-                let has = CurveHeader { paths: draws(system), links, words: false };
+                let links = tree || words || !system.ignored.is_empty() || moves && traces;
+                if words && traces && draws(system) {
+                    let what = "random numbers beside `trace`, in several words at once";
+                    return Err(Unsupported::new(what, system.source.kind_span));
+                }
+                let has = CurveHeader { paths: draws(system), links, words };
                 Layout::of_curve(param_words.max().unwrap_or(0), has)
             }
         };
@@ -375,7 +390,7 @@ pub(super) fn environment(system: &System) -> Environment {
     });
     let uniforms = starts.collect();
     let queries = system.queries.iter().map(|q| q.ty.words()).collect();
-    Environment { uniforms, given: Places::new(at), queries }
+    Environment { uniforms, uniform_words: at, given: Places::new(at), queries }
 }
 
 /// Symbols that the 16 bits of a record can name.
@@ -477,7 +492,7 @@ impl Builder<'_> {
         let mut rules = Vec::new();
         for &g in groups {
             for rule in &self.system.groups[g].rules {
-                supported::rule(rule, self.system.kind)?;
+                supported::rule(rule, self.system)?;
                 rules.push(self.rule(rule)?);
             }
         }

@@ -138,12 +138,14 @@ pub fn rules(system: &System, symbols: &[Symbol], into: usize) -> Vec<(MatchRule
         let hang = Hang { root: symbol.name == "f", ..Hang::default() };
         let points: Vec<Successor> = moves.then(|| Successor { hang, ..here.clone() }).into_iter().collect();
         if let Some(context) = first_of_curve(system) {
-            let behind =
-                |p: &Successor| Successor { hang: Hang { on: Some(0), slot: 1, ..p.hang }, ..p.clone() };
-            let points = [start.clone()].into_iter().chain(points.iter().map(behind)).collect();
-            rules.push(rule(predecessor, context, points, span));
+            // What hung on nothing hangs on the start, as does what hung on a first module that is no move.
+            let exit = points.len().checked_sub(1).map(|_| 1);
+            let second = |p: &Successor| Successor { hang: Hang { slot: 1, ..p.hang }, ..p.clone() };
+            let points = [start.clone()].into_iter().chain(points.iter().map(second)).collect();
+            rules.push(rule(predecessor, context, points, exit, span));
         }
-        rules.push(rule(predecessor, Vec::new(), points, span));
+        let exit = points.len().checked_sub(1);
+        rules.push(rule(predecessor, Vec::new(), points, exit, span));
     }
     rules
 }
@@ -157,6 +159,7 @@ fn rule(
     predecessor: usize,
     context: Vec<Near>,
     points: Vec<Successor>,
+    exit: Option<usize>,
     span: Span,
 ) -> (MatchRule, Vec<Production>) {
     let rule = MatchRule {
@@ -171,7 +174,6 @@ fn rule(
         site: 0,
         span,
     };
-    let exit = points.len().checked_sub(1);
     let cells = points.into_iter().map(Some).collect();
     let production =
         Production { rule: 0, predecessor, length: 1, halves: 0, cells, exit, relabels: false, span };

@@ -23,6 +23,33 @@ fn down_of(i: u32) -> u32 {
   return found(links[DOWN * extent.count + i]);
 }
 
+// The module before in memory, if it is of the same word.
+fn previous(i: u32) -> u32 {
+  if i == 0u || (WORD != 0u && word_at(i - 1u, WORD) != word_at(i, WORD)) {
+    return NOWHERE;
+  }
+  return i - 1u;
+}
+
+// The first module of a module's word: words stand one after the other.
+fn first_of(i: u32) -> u32 {
+  if WORD == 0u {
+    return 0u;
+  }
+  let word = word_at(i, WORD);
+  var low = 0u;
+  var high = i;
+  while low < high {
+    let middle = low + (high - low) / 2u;
+    if word_at(middle, WORD) < word {
+      low = middle + 1u;
+    } else {
+      high = middle;
+    }
+  }
+  return low;
+}
+
 // Behind all that hangs on a module.
 fn end_of(i: u32) -> u32 {
   if i >= extent.count {

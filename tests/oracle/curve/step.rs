@@ -8,7 +8,7 @@ use super::super::word::Param;
 use super::context::Surroundings;
 use super::derive::{Oracle, in_field, number_roots};
 use super::turtle;
-use super::word::{Module, Token, Word};
+use super::word::{Module, Token, Topology, Word};
 use burgeon::language::syntax::{DeriveCount, Element, Expr, Field, Name, Rule, Step, StepKind, Successor};
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -253,7 +253,9 @@ impl Derivation<'_> {
 
 fn is_itself(successor: &[Token], module: &Module) -> bool {
     let same = |new: &Module| new.symbol == module.symbol && new.params == module.params;
-    matches!(successor, [Token::Module(new)] if same(new))
+    // Branches of nothing are nothing.
+    let word = Word::new(Topology::Tree, successor.to_vec());
+    matches!(&word.tokens[..], [Token::Module(new)] if same(new))
 }
 
 /// Where the calls of `rand` and `randn` stand that a rule makes.

@@ -1,0 +1,36 @@
+//! Several words at once: independent derivations of one system in one run.
+
+use super::Axiom;
+use crate::language::Value;
+
+/// Words that are derived together, each as if it were alone: contexts never cross, and each has params and a seed of
+/// its own. A [`Plan::of_words`](crate::plan::Plan::of_words) takes them.
+///
+/// Schedules must be the same: params that stand in the counts of `run:` must be equal in all.
+#[derive(Clone, Debug, Default)]
+pub struct Words {
+    pub words: Vec<Start>,
+}
+
+/// One of several words.
+#[derive(Clone, Debug)]
+pub struct Start {
+    pub axiom: Axiom,
+    /// Params by name, in place of their defaults.
+    pub set: Vec<(String, Value)>,
+    pub seed: u32,
+}
+
+impl Words {
+    /// The same axiom once for each value of a param.
+    pub fn sweep(axiom: &Axiom, param: &str, values: impl IntoIterator<Item = Value>, seed: u32) -> Words {
+        let start = |value| Start { axiom: axiom.clone(), set: vec![(param.to_string(), value)], seed };
+        Words { words: values.into_iter().map(start).collect() }
+    }
+
+    /// The same axiom once for each seed.
+    pub fn seeds(axiom: &Axiom, seeds: impl IntoIterator<Item = u32>) -> Words {
+        let start = |seed| Start { axiom: axiom.clone(), set: Vec::new(), seed };
+        Words { words: seeds.into_iter().map(start).collect() }
+    }
+}

@@ -1,0 +1,114 @@
+//! Several words at once: each is what it would be alone.
+
+#[cfg(feature = "gpu")]
+use crate::device;
+use burgeon::cpu::{self, Cpu};
+use burgeon::curve::{Axiom, Start, Word, Words};
+use burgeon::language::{System, Value};
+use burgeon::plan::derive::{Backend, collect_words, derive};
+use burgeon::plan::{Error, Options, Plan};
+
+/// A ring whose rule has a param, an open word that draws and looks at its ends, a tree with ignored symbols, and a word
+/// that is traced.
+const SYSTEMS: [&str; 5] = [
+    "system ring : curve ring\nparam w: float = 1/4\nmodule P(v: vec2)\naxiom: file \"points.csv\"\nrules:\n  \
+     P(a) < P(v) > P(b) -> P(w*a + (1 - w)*v) P((1 - w)*v + w*b)\nrun:\n  derive 4\n",
+    "system open : curve open\nparam w: float = 1/4\nmodule P(v: vec2), Q\naxiom: file \"points.csv\"\nrules:\n  \
+     # < P(v) > P(b) -> P(v) Q P(1/2*v + 1/2*b)\n  Q < P(v) : rand() < w -> eps\n  Q -> eps\n  \
+     P(a) < P(v) > # : rand() < 2*w -> P(1/2*a + 1/2*v) P(v)\n  P(v) : rand() < 0.4 -> P(v + (rand(), w)) P(v)\n  \
+     P(a) P(b) : a.x > b.x -> P(b)\nrun:\n  derive 6\n",
+    "system tree : curve tree\nparam w: float = 1/4\nmodule P(v: vec2), A(k: int), E\nignore + E\n\
+     axiom: A(0) [ + A(1) E ] A(2) [ A(3) ]\nrules:\n  A(k) > [ A(j) ] : rand() < w + 0.5 -> A(k + j) E [ + A(k) ] E A(j)\n  \
+     E -> eps\n  A(k) < A(j) : rand() < w -> A(k) [ A(j) ]\nrun:\n  derive 5\n",
+    "system branches : curve tree\nparam w: float = 90\nmodule P(v: vec2)\naxiom: [ + F ] F [ -(w) F f F ]\nrules:\n  \
+     F -> F [ +(w) F ] F\nrun:\n  derive 2\n  trace into P\n",
+    "system traced : curve open\nparam w: float = 90\nmodule P(v: vec2)\naxiom: F + F f F\nrules:\n  \
+     F -> F +(w) F - F\nrun:\n  derive 3\n  trace into P\n",
+];
+
+fn start(system: &System, n: usize) -> Start {
+    // Of different lengths, one point and two among them.
+    let points = (0..1 + n * 7 % 23).map(|i| [(i * i % 11) as f32, (i * n % 5) as f32, 0.0, 1.0]);
+    let points: Vec<[f32; 4]> = points.collect();
+    let axiom = Axiom::load::<String>(system, &mut |_| Ok(vec![points.clone()])).expect("an axiom");
+    // Right angles are traced without rounding.
+    let w = if ["traced", "branches"].contains(&system.name.as_str()) {
+        90.0 * (n % 5) as f32
+    } else {
+        n as f32 / 64.0
+    };
+    Start { axiom, set: vec![("w".to_string(), Value::Float(w))], seed: 1000 + n as u32 }
+}
+
+fn words<B: Backend>(plan: &Plan, words: &Words, backend: &mut B) -> Result<Vec<Word>, B::Error> {
+    let derivation = derive(plan, words, &[], &Options::default(), backend)?;
+    collect_words(plan, backend, &derivation, words.words.len())
+}
+
+/// Where a device derives other words than the CPU.
+#[cfg(feature = "gpu")]
+pub fn difference(engine: &burgeon::gpu::Engine) -> Option<String> {
+    for text in &SYSTEMS[1..4] {
+        let system = System::parse(text).unwrap_or_else(|e| panic!("{e}"));
+        let plan = Plan::of_words(&system).expect("a plan");
+        let starts = Words { words: (0..9).map(|n| start(&system, n)).collect() };
+        let expected = words(&plan, &starts, &mut Cpu::new(&plan, &[], 1).expect("threads")).expect("words");
+        let mut gpu = burgeon::gpu::Gpu::new(engine, &plan, &[]).expect("kernels");
+        match words(&plan, &starts, &mut gpu) {
+            Ok(found) if found == expected => {}
+            Ok(_) => return Some(format!("{} differs", system.name)),
+            Err(e) => return Some(e.to_string()),
+        }
+    }
+    None
+}
+
+#[test]
+fn each_of_several_words_is_what_it_is_alone() {
+    for text in SYSTEMS {
+        let system = System::parse(text).unwrap_or_else(|e| panic!("{e}"));
+        let (alone, together) =
+            (Plan::new(&system).expect("a plan"), Plan::of_words(&system).expect("a plan"));
+        let starts = Words { words: (0..40).map(|n| start(&system, n)).collect() };
+        let one = |start: &Start| {
+            let options = Options { set: start.set.clone(), seed: start.seed, ..Options::default() };
+            cpu::derive_curve(&alone, &start.axiom, &options, 1).expect("a word").0
+        };
+        let expected: Vec<Word> = starts.words.iter().map(one).collect();
+        assert!(expected.iter().any(|word| word.modules.len() > 30), "{}", system.name);
+        let found =
+            words(&together, &starts, &mut Cpu::new(&together, &[], 2).expect("threads")).expect("words");
+        assert!(found == expected, "{}", system.name);
+        #[cfg(feature = "gpu")]
+        for (name, engine) in device::engines() {
+            let mut gpu = burgeon::gpu::Gpu::new(&engine, &together, &[]).expect("kernels");
+            let found = words(&together, &starts, &mut gpu).expect("words");
+            assert!(found == expected, "{}, {name}", system.name);
+        }
+    }
+}
+
+#[test]
+fn what_is_wrong_with_several_words_is_said() {
+    let text = SYSTEMS[0].replace("derive 4", "derive int(w * 8)");
+    let system = System::parse(&text).unwrap_or_else(|e| panic!("{e}"));
+    let together = Plan::of_words(&system).expect("a plan");
+    let mut cpu = Cpu::new(&together, &[], 1).expect("threads");
+    let starts = Words { words: vec![start(&system, 16), start(&system, 32)] };
+    let wrong = |e: Error| e.to_string();
+    let said = words(&together, &starts, &mut cpu).map_err(wrong).expect_err("two schedules");
+    assert_eq!(
+        said,
+        "word 1 has another schedule than word 0: the params in the counts of `run:` must be the same"
+    );
+    let alone =
+        derive(&together, &start(&system, 1).axiom, &[Value::Float(0.5)], &Options::default(), &mut cpu);
+    assert_eq!(
+        alone.err().map(wrong).as_deref(),
+        Some("a plan of words takes several of them: curve::Words")
+    );
+    let plain = Plan::new(&system).expect("a plan");
+    let starts = Words { words: vec![start(&system, 16)] };
+    let said = words(&plain, &starts, &mut Cpu::new(&plain, &[], 1).expect("threads")).map_err(wrong);
+    assert_eq!(said.expect_err("a plan of one"), "several words need a plan of words: Plan::of_words");
+}
