@@ -3,11 +3,11 @@
 //! rewritten at once, step by step. The rules are compiled to tables and WGSL and run as compute
 //! kernels on any [wgpu](https://docs.rs/wgpu) device; a CPU backend runs the same plan.
 //! What comes out stays in GPU buffers or is read back as a [`Word`](patch::Word) of control nets, ready
-//! to be tessellated.
+//! to be tessellated, or as a [`Word`](curve::Word) of points.
 //!
-//! **This version derives patch systems**: Bézier nets of degrees 1 to 8 each way, polynomial and
-//! rational. Curve and mesh systems are parsed and checked in full, but not derived yet. What is not
-//! derived is refused by name ([`plan::Unsupported`]) before anything runs. The [reference](language#what-this-version-derives)
+//! **This version derives patch systems**, Bézier nets of degrees 1 to 8 each way, polynomial and rational, and
+//! **curve systems**: rings, open words and trees. Mesh systems are parsed and checked in full, but not derived yet.
+//! What is not derived is refused by name ([`plan::Unsupported`]) before anything runs. The [reference](language#what-this-version-derives)
 //! has the list.
 //!
 //! # A patch, on the CPU

@@ -8,7 +8,6 @@ use super::{Failure, counted, flags, print, stop};
 use burgeon::curve::Word;
 use burgeon::io;
 use burgeon::io::curves::{self, Picture, Style};
-use burgeon::language::system::Topology;
 use burgeon::plan::derive::{self, StepStats};
 use burgeon::plan::{Options, Progress};
 use std::path::Path;
@@ -43,7 +42,7 @@ pub fn run(flags: &flags::Run) -> Result<(), Failure> {
     }
     let derived = derived?;
     let style = Style {
-        control: flags.control.then(|| control(&job)).transpose()?,
+        control: if flags.control { control(&job)? } else { Vec::new() },
         points: flags.points,
         up: flags.drawing.up.into(),
         ..Style::default()
@@ -78,8 +77,8 @@ fn write(path: &Path, word: &Word, style: &Style) -> Result<(), Failure> {
     }
 }
 
-/// The points that the curve begins with.
-fn control(job: &Job) -> Result<(Vec<[f32; 3]>, bool), Failure> {
+/// What the word begins with.
+fn control(job: &Job) -> Result<Vec<curves::Line>, Failure> {
     let mut none = Options { steps: Some(0), ..Options::default() };
     none.set = job.set.clone();
     let mut cpu = run::cpu(job, 1)?;
@@ -87,7 +86,7 @@ fn control(job: &Job) -> Result<(Vec<[f32; 3]>, bool), Failure> {
     let derivation =
         derive::derive(&job.plan, &job.axiom, &job.uniforms, &none, &mut cpu).map_err(failure)?;
     let word = derive::collect_curve(&job.plan, &mut cpu, &derivation).map_err(failure)?;
-    Ok((word.points(), word.topology == Topology::Ring))
+    Ok(curves::lines(&word))
 }
 
 struct Derived {

@@ -1,7 +1,7 @@
 //! Curves from .svg, .csv and .obj, and their pictures.
 
 use burgeon::curve::{Module, Word};
-use burgeon::io::curves::{Picture, Polyline, Style, csv, raster, svg};
+use burgeon::io::curves::{Line, Picture, Polyline, Style, csv, raster, svg};
 use burgeon::io::{ParseError, obj};
 use burgeon::language::system::{Field, Topology};
 use burgeon::language::{Type, Value};
@@ -182,7 +182,8 @@ fn a_picture_has_margins_and_strokes_in_proportion() {
 
 #[test]
 fn the_svg_says_what_it_shows() {
-    let control = Some((vec![[0.0, 0.0, 0.0], [12.0, 0.0, 0.0]], true));
+    let control =
+        vec![Line { points: vec![[0.0, 0.0, 0.0], [12.0, 0.0, 0.0]], closed: true, widths: Vec::new() }];
     let style = Style { control, points: true, ..Style::default() };
     let text = String::from_utf8(written(&word(Topology::Ring, &CORNER), &style)).expect("UTF-8");
     assert!(text.contains("<title>s &amp; &lt;t></title>"), "{text}");
@@ -247,4 +248,40 @@ fn words_of_nothing_and_of_one_point_are_drawn() {
             assert!(!written(&word(topology, points), &style).is_empty());
         }
     }
+}
+
+/// A tree: a trunk that thins out, and a branch from its second point.
+#[test]
+fn a_tree_is_a_line_for_each_axis() {
+    let fields = vec![
+        Field { name: "v".to_string(), ty: Type::Vec2 },
+        Field { name: "r".to_string(), ty: Type::Float },
+    ];
+    let module = |(p, r, parent, lateral): ([f32; 2], f32, Option<usize>, bool)| {
+        let params = vec![Value::Vec2(p), Value::Float(r)];
+        Module { symbol: 0, params, path: 0, parent, lateral }
+    };
+    let all = [
+        ([0.0, 0.0], 2.0, None, false),
+        ([0.0, 1.0], 2.0, Some(0), false),
+        ([1.0, 2.0], 1.0, Some(1), true),
+        ([2.0, 3.0], 1.0, Some(2), false),
+        ([0.0, 2.0], 0.5, Some(1), false),
+    ];
+    let tree = Word {
+        symbols: vec![Symbol { name: "P".to_string(), fields }],
+        modules: all.map(module).to_vec(),
+        ..word(Topology::Tree, &[])
+    };
+    let lines = burgeon::io::curves::lines(&tree);
+    let points: Vec<Vec<[f32; 3]>> = lines.iter().map(|line| line.points.clone()).collect();
+    let (trunk, branch) =
+        ([[0.0; 3], [0.0, 1.0, 0.0], [0.0, 2.0, 0.0]], [[0.0, 1.0, 0.0], [1.0, 2.0, 0.0], [2.0, 3.0, 0.0]]);
+    assert_eq!(points, [trunk, branch]);
+    let picture = Picture::of(&[&tree], &Style::default()).expect("finite points");
+    let widths: Vec<(usize, f64)> = picture.strokes.iter().map(|s| (s.points.len(), s.width)).collect();
+    assert_eq!(widths, [(2, 2.0), (2, 0.5), (3, 1.0)]);
+    let mut text = Vec::new();
+    obj::write_lines(&mut text, &tree).expect("memory");
+    assert_eq!(obj::lines(&text).expect("what is written").len(), 2);
 }

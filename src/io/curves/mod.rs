@@ -10,7 +10,8 @@ pub use picture::{Picture, Stroke, Style};
 
 use super::obj;
 use super::text::ReadError;
-use crate::curve::Word;
+use crate::curve::{Module, Word};
+use crate::language::Value;
 use crate::language::system::Topology;
 use std::path::Path;
 
@@ -36,30 +37,47 @@ pub fn read(path: impl AsRef<Path>) -> Result<Vec<Polyline>, ReadError> {
     }
 }
 
-/// The curves of a word: the positions of its modules, and whether they close. Of a tree each axis is one, that of a
-/// branch from the point where it branches off.
-pub fn polylines(word: &Word) -> Vec<(Vec<[f32; 3]>, bool)> {
+/// A curve of a word.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Line {
+    /// The positions of its modules; a branch begins where it branches off.
+    pub points: Vec<[f32; 3]>,
+    pub closed: bool,
+    /// How wide the line to each point is, where modules have a float `r`; else empty.
+    pub widths: Vec<f32>,
+}
+
+/// The curves of a word: of a tree each axis is one.
+pub fn lines(word: &Word) -> Vec<Line> {
     if word.topology == Topology::Ring {
-        return vec![(word.points(), true)];
+        return vec![Line { points: word.points(), closed: true, widths: Vec::new() }];
     }
-    // Where each branches off, and its points.
-    let mut curves: Vec<(Option<[f32; 3]>, Vec<[f32; 3]>)> = Vec::new();
+    let width_of = |module: &Module| {
+        let fields = &word.symbols[module.symbol].fields;
+        fields.iter().zip(&module.params).find_map(|(field, value)| match value {
+            Value::Float(r) if field.name == "r" => Some(*r),
+            _ => None,
+        })
+    };
+    let mut lines: Vec<Line> = Vec::new();
     // For each module the curve of its axis, and where it stands or the last before it that has a position.
-    let mut places: Vec<(usize, Option<[f32; 3]>)> = Vec::with_capacity(word.modules.len());
+    let mut places: Vec<(Option<usize>, Option<[f32; 3]>)> = Vec::with_capacity(word.modules.len());
     for module in &word.modules {
-        let before = module.parent.map(|parent| places[parent]);
-        let curve = match before {
-            Some((curve, _)) if !module.lateral => curve,
-            _ => {
-                let start = before.and_then(|(_, at)| at);
-                curves.push((start, Vec::new()));
-                curves.len() - 1
-            }
+        let (before, from) = module.parent.map_or((None, None), |parent| places[parent]);
+        let mut line = before.filter(|_| !module.lateral);
+        let Some(own) = module.position() else {
+            places.push((line, from));
+            continue;
         };
-        let own = module.position();
-        curves[curve].1.extend(own);
-        places.push((curve, own.or(before.and_then(|(_, at)| at))));
+        let n = *line.get_or_insert_with(|| {
+            let points: Vec<[f32; 3]> = from.into_iter().collect();
+            let widths = points.iter().filter_map(|_| width_of(module)).collect();
+            lines.push(Line { points, closed: false, widths });
+            lines.len() - 1
+        });
+        lines[n].points.push(own);
+        lines[n].widths.extend(width_of(module));
+        places.push((line, Some(own)));
     }
-    let drawn = curves.into_iter().filter(|(_, points)| !points.is_empty());
-    drawn.map(|(start, points)| (start.into_iter().chain(points).collect(), false)).collect()
+    lines
 }

@@ -1,26 +1,27 @@
 //! What a picture of curves shows; [`svg`](super::svg) and [`raster`](super::raster) draw it.
 
 use super::super::write::WriteError;
-use super::polylines;
+use super::{Line, lines};
 use crate::curve::Word;
 use crate::tessellate::Up;
 
 /// How curves are drawn.
 #[derive(Clone, Debug)]
 pub struct Style {
-    /// A thin polygon under the curves: the points of the axiom, and whether they close.
-    pub control: Option<(Vec<[f32; 3]>, bool)>,
+    /// Thin polygons under the curves: those of the axiom.
+    pub control: Vec<Line>,
     /// A circle at each point.
     pub points: bool,
     /// What points up: y, so that z is left out, or z, so that y is.
     pub up: Up,
-    /// The width of strokes, of the larger side of what is drawn.
+    /// The width of strokes, of the larger side of what is drawn. Modules with a float `r` have that width, in
+    /// units of the model.
     pub stroke: f64,
 }
 
 impl Default for Style {
     fn default() -> Style {
-        Style { control: None, points: false, up: Up::Y, stroke: 0.005 }
+        Style { control: Vec::new(), points: false, up: Up::Y, stroke: 0.005 }
     }
 }
 
@@ -62,12 +63,12 @@ impl Picture {
     /// A coordinate that is not finite, naming the point.
     pub fn of(words: &[&Word], style: &Style) -> Result<Picture, WriteError> {
         let mut strokes = Vec::new();
-        if let Some(control) = &style.control {
-            strokes.push(stroke(control, style.up, CONTROL)?);
+        for control in &style.control {
+            strokes.extend(strokes_of(control, style.up, CONTROL)?);
         }
         for (n, word) in words.iter().enumerate() {
-            for curve in &polylines(word) {
-                strokes.push(stroke(curve, style.up, COLORS[n % COLORS.len()])?);
+            for line in &lines(word) {
+                strokes.extend(strokes_of(line, style.up, COLORS[n % COLORS.len()])?);
             }
         }
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
@@ -89,7 +90,9 @@ impl Picture {
         let (width, margin) = (larger * style.stroke, larger * MARGIN);
         for stroke in &mut strokes {
             let control = stroke.color == CONTROL;
-            stroke.width = if control { 0.6 * width } else { width };
+            if stroke.width == 0.0 {
+                stroke.width = if control { 0.6 * width } else { width };
+            }
             stroke.dots = if style.points && !control { 2.0 * width } else { 0.0 };
         }
         Ok(Picture {
@@ -101,12 +104,28 @@ impl Picture {
     }
 }
 
-fn stroke(curve: &(Vec<[f32; 3]>, bool), up: Up, color: [u8; 3]) -> Result<Stroke, WriteError> {
-    let (points, closed) = curve;
+/// The strokes of a line: one, or where its width changes several. Of width 0 they are as wide as all.
+fn strokes_of(line: &Line, up: Up, color: [u8; 3]) -> Result<Vec<Stroke>, WriteError> {
     let flat = |(n, &[x, y, z]): (usize, &[f32; 3])| match [x, y, z].iter().find(|x| !x.is_finite()) {
         Some(&x) => Err(WriteError::not_finite(format_args!("point {n}"), x)),
         None => Ok([x, if up == Up::Y { y } else { z }]),
     };
-    let points = points.iter().enumerate().map(flat).collect::<Result<_, _>>()?;
-    Ok(Stroke { points, closed: *closed, color, width: 0.0, dots: 0.0 })
+    let points: Vec<[f32; 2]> = line.points.iter().enumerate().map(flat).collect::<Result<_, _>>()?;
+    let stroke = |points: &[[f32; 2]], width: f64| {
+        let closed = line.closed && points.len() == line.points.len();
+        Stroke { points: points.to_vec(), closed, color, width, dots: 0.0 }
+    };
+    if line.widths.len() != points.len() || color == CONTROL {
+        return Ok(vec![stroke(&points, 0.0)]);
+    }
+    let mut strokes = Vec::new();
+    let mut start = 0;
+    for end in 1..points.len() {
+        let ends = line.widths.get(end + 1) != line.widths.get(end);
+        if ends {
+            strokes.push(stroke(&points[start..=end], f64::from(line.widths[end]).abs()));
+            start = end;
+        }
+    }
+    Ok(if strokes.is_empty() { vec![stroke(&points, 0.0)] } else { strokes })
 }

@@ -5,7 +5,7 @@ use super::super::text::{Element, ParseError, Problem, Wrong};
 use super::super::write::{WriteError, one_line, write_in_blocks};
 use super::read::{statements, vertex};
 use crate::curve::Word;
-use crate::io::curves::{Polyline, polylines};
+use crate::io::curves::{self, Polyline};
 use std::io::Write;
 
 /// Reads a curve for each `l`; where there is none, all vertices in their order are one. A line that ends at its first
@@ -77,7 +77,7 @@ fn curves(text: &[u8]) -> Result<Vec<Polyline>, Wrong> {
 pub fn write(writer: &mut dyn Write, word: &Word) -> Result<(), WriteError> {
     writeln!(writer, "o {}", one_line(&word.system))?;
     let mut first = 1;
-    for (points, closed) in polylines(word) {
+    for curves::Line { points, closed, .. } in curves::lines(word) {
         write_in_blocks(writer, points.len(), |n, text| {
             if let Some(&x) = points[n].iter().find(|x| !x.is_finite()) {
                 return Err(WriteError::not_finite(format_args!("point {n}"), x));
