@@ -4,6 +4,7 @@
 //! for points of three coordinates does 12 flops for it, 0.25 a byte, which memory bandwidth bounds.
 
 use super::BLOCK;
+use super::lanes::Lanes;
 use super::program::{self, Input, Registers};
 use crate::plan::tables::{Production, Stage};
 use rayon::ThreadPool;
@@ -34,6 +35,10 @@ pub fn emit_word(
         rest = left;
         parts.push((modules, part));
     }
+    let lanes = match &stage.productions[..] {
+        [production] if stage.closed.is_some() => Lanes::new(production, &stage.code.children[0], words),
+        _ => None,
+    };
     let workers = threads.current_num_threads().min(parts.len());
     let parts = Mutex::new(parts.into_iter());
     let work = || {
@@ -41,6 +46,10 @@ pub fn emit_word(
         loop {
             let next = parts.lock().unwrap_or_else(PoisonError::into_inner).next();
             let Some((modules, out)) = next else { return };
+            if let Some(lanes) = &lanes {
+                lanes.run(&input.part(modules), out);
+                continue;
+            }
             let rules = stage.closed.is_none().then(|| &rules[modules.clone()]);
             emit_part(stage, &input.part(modules), rules, &mut registers, out);
         }

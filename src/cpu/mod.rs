@@ -10,6 +10,7 @@ pub mod count;
 pub mod emit;
 pub mod emit_word;
 pub mod expand;
+mod lanes;
 pub mod link;
 pub mod match_modules;
 pub mod measure;

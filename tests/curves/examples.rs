@@ -97,7 +97,7 @@ fn clamped(points: &[[f64; 2]], degree: usize, t: f64) -> [f64; 2] {
 
 const INT: fn(i32) -> Value = Value::Int;
 
-/// S6, S16, S22: every file is derived, and how many modules come.
+/// S6, S16, S20 to S22: every file is derived, and how many modules come.
 #[test]
 fn s6_s16_examples_are_derived() {
     let counts = [
@@ -116,6 +116,13 @@ fn s6_s16_examples_are_derived() {
         ("crease", None, 320),
         ("elevate", None, 12),
         ("koch", None, 768),
+        ("kolam", None, 8192),
+        ("dragon", None, 4097),
+        ("snowflake", None, 3072),
+        ("hilbert3", None, 512),
+        ("twig", None, 27),
+        ("hogeweg", None, 2502),
+        ("plant", None, 2257),
     ];
     for (file, system, modules) in counts {
         assert_eq!(Example { system, ..example(file) }.word().modules.len(), modules, "{file} {system:?}");
