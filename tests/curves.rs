@@ -269,3 +269,14 @@ fn every_mutant_of_the_kernels_of_curves_is_seen() {
 pub fn mutants_of(file: &str) -> usize {
     MUTANTS.iter().filter(|m| m.0 == file).count()
 }
+
+/// A linked word is one buffer; where it no longer fits, the step and the most are named.
+#[test]
+fn a_tree_that_outgrows_its_buffer_is_refused() {
+    let text = "system s : curve tree\nmodule A(k: int)\naxiom: A(0)\nrules:\n  A(k) -> A(k) [ A(k) ] A(k)\nrun:\n  derive 15\n";
+    let job = job(text, &[], &[]);
+    let refused = cpu::derive_curve(&job.plan, &job.axiom, &job.options, 2).map(|_| ());
+    let said = refused.expect_err("14 million modules").to_string();
+    assert!(said.starts_with("the word would hold 14348907 modules after step 15"), "{said}");
+    assert!(said.contains("one buffer, which holds 8388608"), "{said}");
+}

@@ -104,11 +104,14 @@ pub fn wgsl(flags: &flags::Wgsl) -> Result<(), Failure> {
         let of = if with.is_empty() { system.name.clone() } else { format!("{}, rules {with}", system.name) };
         let title = format!("of {of}, stage {}", id.stage + 1);
         let shaders = codegen::stage(&plan, id, &Tuning::GPU).map_err(failed)?;
-        let all = shaders.measure.iter().chain(&shaders.turtle).chain([
-            &shaders.match_modules,
-            &shaders.count,
-            &shaders.emit,
-        ]);
+        let all = shaders
+            .measure
+            .iter()
+            .chain(&shaders.turtle)
+            .chain(&shaders.link)
+            .chain([&shaders.match_modules])
+            .chain(&shaders.claim)
+            .chain([&shaders.count, &shaders.emit]);
         for shader in all {
             add(title.clone(), shader);
         }
