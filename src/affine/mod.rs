@@ -3,7 +3,7 @@
 //! A rule whose points are combinations of the points around, with coefficients that do not depend on where these are,
 //! is a subdivision scheme: P. Prusinkiewicz, F. Samavati, C. Smith, R. Karwowski, *L-system description of subdivision
 //! curves*, section 3. Here it becomes its [`Matrix`] (equations 9–12), the properties of its [`Scheme`], a table of
-//! [`Stencils`] that takes control points to the curve in one go, and a matrix becomes a rule again: [`infer`]
+//! [`Stencils`] that takes control points to the curve in one go, and a matrix becomes a rule again: [`infer`](mod@infer)
 //! (section 5).
 //!
 //! ```

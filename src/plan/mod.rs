@@ -62,7 +62,7 @@ pub enum Error {
     Memory { needed: u64, modules: u64, step: u32, budget: u64 },
     /// A word with branches, or with symbols that contexts ignore, is one buffer.
     #[error(
-        "the word would hold {modules} modules after step {step}; with branches or `ignore` it is one buffer, which holds {most}: derive fewer steps"
+        "the word would hold {modules} modules after step {step}; with branches or `ignore` it is one buffer, which holds {most}"
     )]
     TooLong { modules: u64, most: u64, step: u32 },
     #[error(
