@@ -15,7 +15,7 @@ fn uniform_word(at: u32) -> u32 {
   return quad[at & 3u];
 }
 
-// Where a rule's word says that nothing is left on the axis: plan/tables.rs.
+// Where a rule's word says that nothing is left on the axis: plan/tables/mod.rs.
 const NO_EXIT = 255u;
 
 // The child that what hung on the predecessor hangs on.
