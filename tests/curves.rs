@@ -165,6 +165,31 @@ run:
   derive 9
 ";
 
+/// Two symbols that grow alike, in a ring of an odd number of modules.
+#[cfg(feature = "gpu")]
+const TWO: &str = "\
+system two : curve ring
+module P(v: vec2), Q(v: vec2)
+axiom: P((0, 1)) Q((2, 3)) P((4, 5))
+rules:
+  P(v) -> P(v) Q(v + (1, 0)) P(v + (1, 1))
+  Q(a) -> Q(a) P(a + (0, 1)) Q(2*a)
+run:
+  derive 5
+";
+
+/// One production, and a number of modules that no invocations share evenly.
+#[cfg(feature = "gpu")]
+const TRIANGLE: &str = "\
+system triangle : curve ring
+module P(v: vec2)
+axiom: P((0, 0)) P((4, 0)) P((0, 4))
+rules:
+  P(a) < P(v) -> P(1/4*a + 3/4*v) P(v)
+run:
+  derive 1
+";
+
 #[cfg(feature = "gpu")]
 fn many() -> Vec<[f32; 4]> {
     (0..1925).map(|i| [i as f32, (i * i % 17) as f32, 0.0, 1.0]).collect()
@@ -177,7 +202,7 @@ fn difference(engine: &burgeon::gpu::Engine) -> Option<String> {
     use burgeon::gpu::Gpu;
     // Tiles so small that claims go from one to the next.
     let small = engine.retuned(Tuning { scan_workgroup: 4, scan_items: 32, ..*engine.tuning() });
-    for text in [UNCHAIKIN, MIXED, CHAIKIN, TREE] {
+    for text in [UNCHAIKIN, MIXED, CHAIKIN, TREE, TWO, TRIANGLE] {
         let job = job(text, &many(), &[]);
         let uniforms = job.plan.uniforms(&[]).expect("params");
         let expected = job.cpu(None, None);
@@ -210,7 +235,10 @@ fn what_is_claimed_is_claimed_alike() {
 #[cfg(feature = "gpu")]
 const MUTANTS: &[(&str, &str, &str)] = &[
     ("emit_word", "if i >= extent.count", "if i + 1u >= extent.count"),
-    ("emit_word", "i * CLOSED", "i"),
+    ("emit_word", "var first = i * CLOSED", "var first = i"),
+    ("emit_word", "if i * EACH >= extent.count", "if (i + 1u) * EACH >= extent.count"),
+    ("emit_word", "write_children(i * EACH)", "write_children(i)"),
+    ("emit_word", "min((i + 1u) * EACH, extent.count) * CLOSED", "(i + 1u) * EACH * CLOSED"),
     ("emit_word", "first = offsets[i]", "first = i"),
     ("emit_word", "& 255u", "& 1u"),
     ("emit_word", "NONE | (link & LATERAL)", "NONE"),

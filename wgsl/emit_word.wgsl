@@ -1,6 +1,6 @@
 // The children of a curve's modules: symbols and parameters, which may be made of what stands around.
 //
-// An invocation a module: reads its record of 16·QUADS bytes, its neighbours' from the caches, and writes one such record
+// An invocation a module, or, where one production fires on all, EACH of them: reads its record of 16·QUADS bytes, its neighbours' from the caches, and writes one such record
 // for each child. Chaikin's rule on points of up to three coordinates reads 16 and writes 32 bytes, for 12 flops.
 
 import extent;
@@ -37,6 +37,18 @@ fn hang_of(i: u32) -> u32 {
 @compute @workgroup_size(WORKGROUP)
 fn emit_word(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
   let i = linear(id, groups);
+  if ONLY {
+    if i * EACH >= extent.count {
+      return;
+    }
+    let end = min((i + 1u) * EACH, extent.count) * CLOSED;
+    if end > extent.capacity {
+      atomicMax(&status.needed, end);
+      return;
+    }
+    write_children(i * EACH);
+    return;
+  }
   if i >= extent.count {
     return;
   }

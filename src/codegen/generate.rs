@@ -270,6 +270,56 @@ pub fn successors(stage: &Stage, layout: &Layout) -> Text {
     text
 }
 
+/// `write_children(base)`: the children of modules from `base` on, `items` of them, where one production fires on all.
+/// What several of them read is read once. Other stages have none.
+pub fn only_children(stage: &Stage, items: usize) -> Text {
+    let mut text = Text::default();
+    text.line("fn write_children(base: u32) {");
+    if let Some(production) = only_production(stage) {
+        let code = &stage.code.children[0];
+        let growth = production.cells.len();
+        // The records that any of the modules reads, by their places behind `base`.
+        let offset = |node: &Node| match node {
+            Node::Near(_, offset, _) | Node::NearSymbol(offset) => *offset,
+            _ => 0,
+        };
+        let offsets = || code.graph.nodes.iter().map(offset).chain([0]);
+        let (low, high) = (offsets().min().unwrap_or(0), offsets().max().unwrap_or(0));
+        let name = |place: i32| format!("w{}", place - low);
+        for place in low..high + items as i32 {
+            let sign = if place < 0 { "-" } else { "+" };
+            let read = format!("read_record(base {sign} {}u)", place.unsigned_abs());
+            text.line(format!("  let {} = {read};", name(place)));
+        }
+        for item in 0..items as i32 {
+            text.line(format!("  if base + {item}u < extent.count {{"));
+            text.line(format!("    let m = {};", name(item)));
+            let used = code.args.iter().flatten().map(|arg| arg.0);
+            let near = (low..=high).map(|offset| (offset, name(item + offset))).collect();
+            let values = Values::with_near(&mut text, &code.graph, used, "    ", production.span, near);
+            for (c, (cell, args)) in production.cells.iter().zip(&code.args).enumerate() {
+                let Some(successor) = cell else { continue };
+                text.line(format!("    var r{c} = Record();"));
+                text.of_rule(format!("    r{c}.q0.x = {}u;", successor.symbol), production.span);
+                for &(node, at) in args {
+                    let target = lane(at).replacen('m', &format!("r{c}"), 1);
+                    text.of_rule(format!("    {target} = {};", values.word(node)), production.span);
+                }
+                let place = item as usize * growth + c;
+                text.line(format!("    write_record(base * CLOSED + {place}u, r{c});"));
+            }
+            text.line("  }");
+        }
+    }
+    text.line("}");
+    text
+}
+
+/// The production that fires on every module, if it is the same for all.
+pub fn only_production(stage: &Stage) -> Option<&Production> {
+    stage.productions.first().filter(|_| stage.closed.is_some() && stage.productions.len() == 1)
+}
+
 /// The most cells of a production.
 pub fn cells(stage: &Stage) -> usize {
     stage.productions.iter().map(|p| p.cells.len()).max().unwrap_or(1).max(1)
@@ -325,6 +375,18 @@ impl<'a> Values<'a> {
         indent: &str,
         span: Span,
     ) -> Values<'a> {
+        Values::with_near(text, graph, wanted, indent, span, HashMap::new())
+    }
+
+    /// The same where some of the records around the module have names already.
+    fn with_near(
+        text: &mut Text,
+        graph: &'a Graph,
+        wanted: impl Iterator<Item = NodeId>,
+        indent: &str,
+        span: Span,
+        near: HashMap<i32, String>,
+    ) -> Values<'a> {
         let mut uses = vec![0usize; graph.nodes.len()];
         wanted.for_each(|id| uses[id] += 1);
         for id in (0..graph.nodes.len()).rev() {
@@ -333,7 +395,7 @@ impl<'a> Values<'a> {
             }
         }
         let texts = Vec::with_capacity(graph.nodes.len());
-        let mut values = Values { graph, texts, near: HashMap::new(), found: HashMap::new() };
+        let mut values = Values { graph, texts, near, found: HashMap::new() };
         for (id, node) in graph.nodes.iter().enumerate() {
             if let (true, Node::Near(_, offset, _) | Node::NearSymbol(offset)) = (uses[id] > 0, *node)
                 && !values.near.contains_key(&offset)

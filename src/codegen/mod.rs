@@ -79,6 +79,20 @@ impl Tuning {
         }
     }
 
+    /// Points of a curve that an invocation of `emit_word` takes where one production fires on all: a driver on the CPU
+    /// loads every lane by itself, and neighbours share what they read; a GPU wants its lanes side by side.
+    pub fn points_each(&self) -> usize {
+        if self.mapping == Mapping::NetPerInvocation { 4 } else { 1 }
+    }
+
+    /// Invocations of `emit_word` for so many points.
+    pub fn word_invocations(&self, points: u64, stage: &Stage) -> u64 {
+        match generate::only_production(stage) {
+            Some(_) => points.div_ceil(self.points_each() as u64),
+            None => points,
+        }
+    }
+
     /// Invocations of `emit` for so many nets.
     pub fn emit_invocations(&self, nets: u64, layout: &Layout) -> u64 {
         if layout.is_curve() {
@@ -185,6 +199,9 @@ pub fn stage_edited(
     let mut emit_parts = generate::record(&layout, true);
     emit_parts.append(matching);
     emit_parts.append(generate::successors(stage, &layout));
+    if layout.is_curve() {
+        emit_parts.append(generate::only_children(stage, tuning.points_each()));
+    }
     let turtle = match stage.row.turtle {
         true => Some(turtle(plan, stage, tuning, edit)?),
         false => None,
@@ -316,10 +333,12 @@ fn layout_constants(layout: &Layout, tuning: &Tuning) -> String {
 
 fn stage_constants(plan: &Plan, stage: &Stage, tuning: &Tuning) -> String {
     format!(
-        "{}{}const TRACED = {};\nconst CLOSED = {}u;\nconst MEASURED = {}u;\nconst CELLS = {}u;\n",
+        "{}{}const TRACED = {};\nconst ONLY = {};\nconst EACH = {}u;\nconst CLOSED = {}u;\nconst MEASURED = {}u;\nconst CELLS = {}u;\n",
         layout_constants(&plan.tables.layout, tuning),
         rule_constants(stage),
         stage.roots,
+        generate::only_production(stage).is_some(),
+        tuning.points_each(),
         stage.closed.unwrap_or(0),
         stage.row.words,
         generate::cells(stage),

@@ -272,7 +272,10 @@ impl Gpu<'_> {
                 curve.extend(kernels.link.as_ref().map(|_| Binding::whole(&columns.links.buffer)));
                 let bound = if layout.is_curve() { &curve[..] } else { &bound[..] };
                 let group = kernels.emit.bind(&self.engine, bound);
-                let invocations = tuning.emit_invocations(n, &layout);
+                let invocations = match layout.is_curve() {
+                    true => tuning.word_invocations(n, stage),
+                    false => tuning.emit_invocations(n, &layout),
+                };
                 kernels.emit.record(&mut pass, &group, &[kernels::groups(invocations, tuning.workgroup)]);
             }
             if let Some(Target { chunk: finished, capacity, modules }) = finished {
