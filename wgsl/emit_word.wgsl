@@ -1,7 +1,8 @@
 // The children of a curve's modules: symbols and parameters, which may be made of what stands around.
 //
-// An invocation a module, or, where one production fires on all, EACH of them: reads its record of 16·QUADS bytes, its neighbours' from the caches, and writes one such record
-// for each child. Chaikin's rule on points of up to three coordinates reads 16 and writes 32 bytes, for 12 flops.
+// An invocation a module, or, where one production fires on all, EACH of them: reads its record of 16·QUADS bytes, its
+// neighbours' from the caches, and writes one such record for each child. Chaikin's rule on points of up to three
+// coordinates reads 16 and writes 32 bytes, for 12 flops.
 
 import extent;
 import rules;

@@ -14,6 +14,14 @@ pub fn link(layout: &Layout, records: &[u32], ignored: &[bool], branches: bool, 
     let parent =
         |i: usize| Some((link_of(layout, record(i)) & NONE) as usize).filter(|&p| p != NONE as usize);
     let is_ignored = |i: usize| ignored[(record(i)[0] & 0xffff) as usize];
+    // Around a ring from an ignored module to one that is not, if there is any.
+    let past = |from: usize, step: &dyn Fn(usize) -> Option<usize>| {
+        let mut seen = step(from);
+        while let Some(i) = seen.filter(|&i| i != from && is_ignored(i)) {
+            seen = step(i);
+        }
+        seen.filter(|&i| i != from).map_or(NOWHERE, |i| i as u32)
+    };
     let Links { up, down, end } = links;
     up.clear();
     for i in 0..n {
@@ -21,39 +29,25 @@ pub fn link(layout: &Layout, records: &[u32], ignored: &[bool], branches: bool, 
             None => NOWHERE,
             Some(p) if !is_ignored(p) => p as u32,
             Some(p) if p < i => up[p],
-            Some(p) => {
-                let mut seen = Some(p);
-                for _ in 0..n {
-                    seen = seen.filter(|&p| is_ignored(p)).map_or(seen, parent);
-                }
-                seen.filter(|&p| !is_ignored(p)).map_or(NOWHERE, |p| p as u32)
-            }
+            Some(p) => past(p, &parent),
         };
         up.push(before);
     }
-    let mut next = vec![NOWHERE; n];
+    let mut next = vec![None; n];
     for i in 0..n {
         if let Some(p) = parent(i).filter(|_| link_of(layout, record(i)) & LATERAL == 0) {
-            next[p] = i as u32;
+            next[p] = Some(i);
         }
     }
     down.clear();
     down.resize(n, NOWHERE);
     for i in (0..n).rev() {
-        let mut seen = next[i];
-        if seen != NOWHERE && is_ignored(seen as usize) {
-            if seen as usize > i {
-                seen = down[seen as usize];
-            } else {
-                for _ in 0..n {
-                    if seen != NOWHERE && is_ignored(seen as usize) {
-                        seen = next[seen as usize];
-                    }
-                }
-                seen = if seen != NOWHERE && is_ignored(seen as usize) { NOWHERE } else { seen };
-            }
-        }
-        down[i] = seen;
+        down[i] = match next[i] {
+            None => NOWHERE,
+            Some(c) if !is_ignored(c) => c as u32,
+            Some(c) if c > i => down[c],
+            Some(c) => past(c, &|i| next[i]),
+        };
     }
     end.clear();
     if branches {
