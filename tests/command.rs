@@ -12,6 +12,7 @@ mod output;
 mod queries;
 mod tessellate;
 mod usage;
+mod words;
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;

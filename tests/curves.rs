@@ -240,6 +240,7 @@ const MUTANTS: &[(&str, &str, &str)] = &[
     ("emit_word", "write_children(i * EACH)", "write_children(i)"),
     ("emit_word", "min((i + 1u) * EACH, extent.count) * CLOSED", "(i + 1u) * EACH * CLOSED"),
     ("emit_word", "first = offsets[i]", "first = i"),
+    ("emit_word", "offsets[i] - offsets[first_of(i)]", "extent.wanted + offsets[i]"),
     ("emit_word", "& 255u", "& 1u"),
     ("emit_word", "NONE | (link & LATERAL)", "NONE"),
     ("emit_word", "exit_of(rules[on])) | (link & LATERAL)", "exit_of(rules[on]))"),

@@ -4,14 +4,14 @@
 use crate::device;
 use crate::oracle::{self, Tolerance};
 use crate::parity::{Job, settings, system};
+use crate::small::Small;
 use burgeon::codegen::{Mapping, Tuning};
 use burgeon::conformance::capacity::{self, UNEVEN};
 use burgeon::conformance::{self, systems::Nets};
 use burgeon::gpu::{self, Engine, Gpu, Measure, Scans};
 use burgeon::patch::Word;
-use burgeon::plan::derive::{Backend, Derivation, Outcome, StageId, bounds, collect, derive};
-use burgeon::plan::step::Clock;
-use burgeon::plan::{self, Given, Options, Plan, schedule};
+use burgeon::plan::derive::{Backend, Derivation, bounds, collect, derive};
+use burgeon::plan::{self, Options, Plan, schedule};
 use std::cell::Cell;
 use std::fmt::Debug;
 
@@ -477,63 +477,6 @@ fn a_word_that_dies_out_goes_on_with_no_modules() {
 }
 
 // --- chunks --------------------------------------------------------------------------------------
-
-/// A backend whose chunks hold few modules, and that sees that none ever holds more.
-struct Small<B> {
-    inner: B,
-    most: usize,
-}
-
-impl<B: Backend> Backend for Small<B> {
-    type Chunk = B::Chunk;
-    type Error = B::Error;
-
-    fn bind(&mut self, given: &Given) -> Result<(), B::Error> {
-        self.inner.bind(given)
-    }
-    fn upload(&mut self, records: Vec<u32>, nets: Vec<[f32; 4]>) -> Result<B::Chunk, B::Error> {
-        self.inner.upload(records, nets)
-    }
-    fn read(&mut self, chunk: &B::Chunk) -> Result<(Vec<u32>, Vec<[f32; 4]>), B::Error> {
-        self.inner.read(chunk)
-    }
-    fn len(&self, chunk: &B::Chunk) -> usize {
-        self.inner.len(chunk)
-    }
-    fn most_modules(&self) -> usize {
-        self.most
-    }
-    fn split(&mut self, chunk: B::Chunk, most: usize) -> Result<Vec<B::Chunk>, B::Error> {
-        let pieces = self.inner.split(chunk, most)?;
-        assert!(pieces.iter().all(|p| (1..=most).contains(&self.inner.len(p))));
-        Ok(pieces)
-    }
-    fn join(&mut self, chunks: Vec<B::Chunk>, ring: bool) -> Result<Vec<B::Chunk>, B::Error> {
-        self.inner.join(chunks, ring)
-    }
-    fn recycle(&mut self, chunk: B::Chunk) {
-        self.inner.recycle(chunk);
-    }
-    fn finish(&mut self) -> Result<(), B::Error> {
-        self.inner.finish()
-    }
-    fn step(
-        &mut self,
-        stage: StageId,
-        clock: Clock,
-        chunk: &B::Chunk,
-        room: u64,
-    ) -> Result<Outcome<B::Chunk>, B::Error> {
-        assert!(self.len(chunk) <= self.most);
-        let outcome = self.inner.step(stage, clock, chunk, room)?;
-        if let Outcome::Done { next, retired, .. } = &outcome {
-            let chunks = next.iter().chain(retired.iter().map(|r| &r.0));
-            chunks
-                .for_each(|c| assert!((1..=self.most).contains(&self.inner.len(c)), "{}", self.inner.len(c)));
-        }
-        Ok(outcome)
-    }
-}
 
 #[test]
 fn words_beyond_one_chunk_are_split_and_come_out_the_same() {

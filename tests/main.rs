@@ -35,5 +35,6 @@ mod runs;
 #[cfg(feature = "gpu")]
 mod scan;
 mod shaders;
+mod small;
 mod tessellate;
 mod turtle;

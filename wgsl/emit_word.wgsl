@@ -35,6 +35,14 @@ fn hang_of(i: u32) -> u32 {
   return (offsets[on] + exit_of(rules[on])) | (link & LATERAL);
 }
 
+// New modules before those of a module: of all chunks, or where there are several words of its own.
+fn number_before(i: u32) -> u32 {
+  if WORD != 0u {
+    return offsets[i] - offsets[first_of(i)];
+  }
+  return extent.wanted + offsets[i];
+}
+
 @compute @workgroup_size(WORKGROUP)
 fn emit_word(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
   let i = linear(id, groups);

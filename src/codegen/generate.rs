@@ -487,7 +487,7 @@ impl<'a> Values<'a> {
             Node::Uniform(ty, at) => from_word(ty, &format!("uniform_word({at}u)")),
             Node::Measured(ty, at) => from_word(ty, &format!("measured_word(m, {at}u)")),
             Node::Given(ty, index) => from_word(ty, &format!("given_word({})", self.texts[index])),
-            Node::Number(slot) => format!("bitcast<i32>(extent.wanted + offsets[m.index] + {slot}u)"),
+            Node::Number(slot) => format!("bitcast<i32>(number_before(m.index) + {slot}u)"),
             Node::Step => "i32(extent.step)".to_string(),
             Node::RunStep => "bitcast<i32>(extent.run_step)".to_string(),
             Node::Seed => "bitcast<i32>(extent.seed)".to_string(),

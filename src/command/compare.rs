@@ -10,9 +10,9 @@ pub fn compare(flags: &flags::Compare) -> Result<(), Failure> {
     use burgeon::gpu::{Engine, Gpu, Headless, Requirement};
     use burgeon::plan::compare::{Pair, PairError};
     use burgeon::plan::derive::Start;
-    use burgeon::plan::{Progress, derive};
+    use burgeon::plan::{Plan, Progress, derive};
 
-    let job = super::load::job(&flags.derive, false)?;
+    let job = super::load::job(&flags.derive, Plan::new)?;
     let requirement = flags.derive.machine.adapter.as_deref().map_or(Requirement::Any, Requirement::Named);
     let device = Headless::new(requirement).map_err(of_gpu)?;
     let engine = Engine::new(&device.device, &device.queue);

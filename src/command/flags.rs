@@ -1,5 +1,6 @@
 //! The flags of every subcommand.
 
+use super::words::Sweep;
 use burgeon::language::Value;
 use burgeon::tessellate::lattice::MAX_DEPTH;
 use clap::{Args, ValueEnum};
@@ -12,7 +13,10 @@ Examples:
   burgeon run teapot.burgeon --set levels=5 --grid 4 --out teapot.obj --stats
   burgeon run teapot_lace.burgeon --tolerance 0.01 --out lace.glb
   burgeon run teapot.burgeon --in my_patches.bv --backend cpu --out word.json
-  burgeon run teapot.burgeon --in control_points.obj --bspline --out smooth.glb";
+  burgeon run teapot.burgeon --in control_points.obj --bspline --out smooth.glb
+  burgeon run chaikin.burgeon --points --control --out curve.svg
+  burgeon run dlg.burgeon --sweep w=0..0.125/6 --out tension.svg
+  burgeon run plant.burgeon --seeds 12 --out plants.png --out plant_{}.obj";
 
 /// Below the flags of `tessellate`.
 pub const TESSELLATE_EXAMPLES: &str = "\
@@ -43,7 +47,8 @@ pub struct Run {
     #[command(flatten)]
     pub derive: Derive,
     /// Write the result, by extension: .bpt and .bv the nets, .json the exact word, .obj, .ply and .glb
-    /// triangles, .png a picture; curves as .svg, .png, .obj, .csv and .json; may be given several times
+    /// triangles, .png a picture; curves as .svg, .png, .obj, .csv and .json; may be given several times. Of several
+    /// curves (--sweep, --seeds, --each) all go into one file, or where its name holds {} each into its own
     #[arg(long, value_name = "FILE")]
     pub out: Vec<PathBuf>,
     /// Where it runs: auto takes a hardware adapter, else a software one, else the CPU backend
@@ -55,6 +60,8 @@ pub struct Run {
     pub grid: u32,
     #[command(flatten)]
     pub fineness: Fineness,
+    #[command(flatten)]
+    pub words: Words,
     #[command(flatten)]
     pub drawing: Drawing,
     /// Colour the picture by the symbols of the modules
@@ -70,6 +77,33 @@ pub struct Run {
     /// with --tolerance modules count erased ones, too, and there are vertices, triangles, tessellate_ms
     #[arg(long)]
     pub stats: bool,
+}
+
+/// Several curves in one run.
+#[derive(Args)]
+pub struct Words {
+    /// Derive a curve for each of N values of a param, both ends among them, as in w=0..0.125/6; all ints, as in
+    /// levels=1..6; given several times, for each combination
+    #[arg(long, value_name = "NAME=FROM..TO/N", value_parser = Sweep::parse)]
+    pub sweep: Vec<Sweep>,
+    /// Derive N curves, with the seeds that follow --seed
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..))]
+    pub seeds: Option<u32>,
+    /// Derive each curve of the axiom's file by itself, in place of all its points as one
+    #[arg(long)]
+    pub each: bool,
+}
+
+impl Words {
+    /// The first flag that asks for several.
+    pub fn flag(&self) -> Option<&'static str> {
+        match self {
+            Words { sweep, .. } if !sweep.is_empty() => Some("--sweep"),
+            Words { seeds: Some(_), .. } => Some("--seeds"),
+            Words { each: true, .. } => Some("--each"),
+            _ => None,
+        }
+    }
 }
 
 #[derive(Args)]
@@ -339,7 +373,7 @@ fn assignment(text: &str) -> Result<(String, Value), String> {
     Ok((name.to_string(), number(value.trim())?))
 }
 
-fn number(text: &str) -> Result<Value, String> {
+pub fn number(text: &str) -> Result<Value, String> {
     let float = |t: &str| match t.trim().parse::<f32>() {
         Ok(x) if x.is_finite() => Ok(x),
         _ => Err(format!("`{text}` is no number, true or false, or vector such as 0,0,4")),

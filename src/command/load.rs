@@ -1,18 +1,17 @@
 //! From the flags to a plan and its axiom.
 
+use super::axiom::{self, Beginning, files};
 use super::{Failure, colored, counted, flags, say};
 use burgeon::curve;
-use burgeon::io::{NetOptions, ReadError, curves, read_nets, values};
+use burgeon::io::{NetOptions, ReadError, read_nets, values};
 use burgeon::language::check::{Checked, compile};
 use burgeon::language::diagnostic::{self, nearest};
 use burgeon::language::expr::Type;
-use burgeon::language::system::{
-    Axiom, CurveSource, CurveStart, Kind, PatchSource, PatchStart, System, UniformKind,
-};
+use burgeon::language::system::{Axiom, CurveStart, Kind, System};
 use burgeon::language::vocabulary::Vocabulary;
 use burgeon::language::{Diagnostic, Severity, Span, Value, lex, parse, syntax};
 use burgeon::patch;
-use burgeon::plan::derive::{Modules, Start};
+use burgeon::plan::derive::Start;
 use burgeon::plan::{self, Given, Plan, Unsupported, View, schedule};
 use burgeon::tessellate::Camera;
 use indicatif::HumanBytes;
@@ -171,45 +170,13 @@ pub fn is_curve(flags: &flags::System) -> bool {
     source.as_ref().and_then(is).unwrap_or(false)
 }
 
-/// What a derivation begins with.
-pub enum Beginning {
-    Nets(patch::Axiom),
-    Points(curve::Axiom),
-}
-
-impl Start for Beginning {
-    fn modules(&self, plan: &Plan, uniforms: &[Value]) -> Result<Modules, plan::Error> {
-        match self {
-            Beginning::Nets(axiom) => axiom.modules(plan, uniforms),
-            Beginning::Points(axiom) => axiom.modules(plan, uniforms),
-        }
-    }
-    fn roots(&self) -> usize {
-        match self {
-            Beginning::Nets(axiom) => axiom.roots(),
-            Beginning::Points(axiom) => axiom.roots(),
-        }
-    }
-}
-
-impl Beginning {
-    /// The nets of the roots; none of a curve.
-    pub fn nets(&self) -> Vec<patch::Net> {
-        match self {
-            Beginning::Nets(axiom) => axiom.roots.iter().map(|root| root.net.clone()).collect(),
-            Beginning::Points(_) => Vec::new(),
-        }
-    }
-}
-
-/// Reads the rule file and the axiom's files, and makes the plan. All that can be wrong with them is
-/// found here, before a device is opened. Where the word is tessellated it keeps its holes.
-pub fn job(flags: &flags::Derive, keeps_holes: bool) -> Result<Job, Failure> {
+/// Reads the rule file and the axiom's files, and makes the plan as `plan` does. All that can be wrong with them is
+/// found here, before a device is opened.
+pub fn job(flags: &flags::Derive, plan: fn(&System) -> Result<Plan, Unsupported>) -> Result<Job, Failure> {
     let source = Source::read(&flags.system.file)?;
     source.refuse_errors()?;
     let system = source.system(flags.system.system.as_deref())?;
-    let plan = if keeps_holes { Plan::keeping_holes(system) } else { Plan::new(system) };
-    let plan = plan.map_err(|e| source.unsupported(&e))?;
+    let plan = plan(system).map_err(|e| source.unsupported(&e))?;
     let set = set(&source, system, &flags.set)?;
     let uniforms = plan.uniforms(&set).map_err(|e| failure(&source, &plan, e))?;
     schedule::unroll(&plan, &uniforms).map_err(|e| failure(&source, &plan, e))?;
@@ -221,8 +188,8 @@ pub fn job(flags: &flags::Derive, keeps_holes: bool) -> Result<Job, Failure> {
         let what = "--bspline is for an .obj, and neither --in nor the axiom names one";
         return Err(Failure::Usage(format!("error: {what}")));
     }
-    let axiom =
-        axiom(&source, system, flags.input.as_deref(), flags.bspline).map_err(|e| e.failure(&source))?;
+    let axiom = axiom::axiom(&source, system, flags.input.as_deref(), flags.bspline)
+        .map_err(|e| e.failure(&source))?;
     let bind = bind(&plan.system, &flags.bind)?;
     let view = sight(&flags.view, flags::Up::Y, axiom.nets().iter())?.map(|s| s.view());
     Given::new(&plan.system, axiom.roots(), &bind, view).map_err(|e| failure(&source, &plan, e))?;
@@ -233,6 +200,11 @@ impl Job {
     /// The nets of the roots.
     pub fn nets(&self) -> Vec<patch::Net> {
         self.axiom.nets()
+    }
+
+    /// The axiom once for each curve of its first file.
+    pub fn each_curve(&self, input: Option<&Path>) -> Result<Vec<curve::Axiom>, Failure> {
+        axiom::of_each_curve(&self.source, &self.plan.system, input).map_err(|e| e.failure(&self.source))
     }
 
     /// An error of the plan by whose fault it is, with the place where that is known.
@@ -313,10 +285,7 @@ pub fn set(
     system: &System,
     given: &[(String, Value)],
 ) -> Result<Vec<(String, Value)>, Failure> {
-    let own = |name: &str| {
-        let param = |u: &&burgeon::language::system::Uniform| matches!(u.kind, UniformKind::Param { .. });
-        system.uniforms.iter().filter(param).any(|u| u.name == name)
-    };
+    let own = |name: &str| system.uniforms.iter().any(|u| u.is_param() && u.name == name);
     let mut set = Vec::new();
     for (name, value) in given {
         if own(name) {
@@ -324,20 +293,21 @@ pub fn set(
         } else if source.shares_param(name) {
             say(&format!("note: {} does not read the param `{name}` that --set gives", system.name));
         } else {
-            return Err(Failure::Usage(format!("error: {}", no_such_param(system, name))));
+            return Err(Failure::Usage(format!("error: {}", no_such_param(system, "--set", name))));
         }
     }
     Ok(set)
 }
 
-fn no_such_param(system: &System, name: &str) -> String {
-    let params = system.uniforms.iter().filter(|u| matches!(u.kind, UniformKind::Param { .. }));
-    let params: Vec<&str> = params.map(|u| u.name.as_str()).collect();
+/// What a flag says that names a param which the system has not.
+pub fn no_such_param(system: &System, flag: &str, name: &str) -> String {
+    let params: Vec<&str> =
+        system.uniforms.iter().filter(|u| u.is_param()).map(|u| u.name.as_str()).collect();
     match params.as_slice() {
-        [] => format!("--set {name}: the system {} has no params", system.name),
+        [] => format!("{flag} {name}: the system {} has no params", system.name),
         list => {
             let help = did_you_mean(name, list.iter().copied());
-            format!("--set {name}: no such param of {}; it has {}{help}", system.name, list.join(", "))
+            format!("{flag} {name}: no such param of {}; it has {}{help}", system.name, list.join(", "))
         }
     }
 }
@@ -377,98 +347,8 @@ fn place_of_axiom(system: &System) -> Span {
     first.unwrap_or(system.source.name.span)
 }
 
-/// Why there are no roots.
-pub enum AxiomError {
-    /// The rule file names a file that is not there.
-    Missing(Diagnostic),
-    /// The rule file is at fault, at this place.
-    Rules(Diagnostic),
-    /// A file of patches is, or a flag.
-    Other(Failure),
-}
-
-impl AxiomError {
-    pub fn failure(self, source: &Source) -> Failure {
-        match self {
-            AxiomError::Missing(d) | AxiomError::Rules(d) => source.error(d),
-            AxiomError::Other(failure) => failure,
-        }
-    }
-}
-
-/// Reads the axiom's files, relative to the rule file; `input` stands for every source that names
-/// the same file as the first. With `bspline` an .obj is one, too.
-pub fn axiom(
-    source: &Source,
-    system: &System,
-    input: Option<&Path>,
-    bspline: bool,
-) -> Result<Beginning, AxiomError> {
-    let files = files(system);
-    let first = files.first().map(|(name, _)| name.as_str());
-    if let (Some(input), None) = (input, first) {
-        let what = format!("error: --in {}: the axiom of {} names no file", input.display(), system.name);
-        return Err(AxiomError::Other(Failure::Usage(format!("{what} that it could replace"))));
-    }
-    let folder = source.path.parent().unwrap_or(Path::new(""));
-    let mut missing = None;
-    // The file in whose place another one may be read.
-    let mut place = |name: &str| match input {
-        Some(input) if first == Some(name) => input.to_path_buf(),
-        _ => {
-            let path = folder.join(name);
-            if !path.exists() {
-                missing = files.iter().find(|(file, _)| file == name).map(|(_, span)| *span);
-            }
-            path
-        }
-    };
-    let result = if matches!(system.kind, Kind::Curve(_)) {
-        let mut read = |name: &str| {
-            let path = place(name);
-            curves::read(&path).map_err(|e| shown(&path, &e))
-        };
-        curve::Axiom::load(system, &mut read).map(Beginning::Points).map_err(|e| match e {
-            curve::AxiomError::Source(text) => patch::AxiomError::Source(text),
-            curve::AxiomError::Wrong { message, span } => patch::AxiomError::Wrong { message, span },
-        })
-    } else {
-        let mut read = |name: &str| nets(&place(name), system, bspline);
-        patch::Axiom::load(system, &mut read).map(Beginning::Nets)
-    };
-    result.map_err(|e| match (e, missing) {
-        (patch::AxiomError::Source(text), Some(span)) => {
-            let hint = "paths are relative to the rule file; --in FILE reads another one";
-            AxiomError::Missing(Diagnostic::error("E0405", span, text).hint(hint))
-        }
-        (patch::AxiomError::Source(text), None) => AxiomError::Other(Failure::File(format!("error: {text}"))),
-        (patch::AxiomError::Wrong { message, span }, _) => {
-            AxiomError::Rules(Diagnostic::error("E0402", span, message))
-        }
-    })
-}
-
-/// The files that the axiom names, and where.
-fn files(system: &System) -> Vec<(String, Span)> {
-    let of_patch = |s: &'_ PatchStart| match &s.source {
-        PatchSource::File { path, span, .. } => Some((path.clone(), *span)),
-        _ => None,
-    };
-    let of_curve = |s: &'_ CurveStart| match s {
-        CurveStart::Points { source: CurveSource::File { path, span, .. }, .. } => {
-            Some((path.clone(), *span))
-        }
-        _ => None,
-    };
-    match &system.axiom {
-        Axiom::Patches(starts) => starts.iter().filter_map(of_patch).collect(),
-        Axiom::Curve(starts) => starts.iter().filter_map(of_curve).collect(),
-        _ => Vec::new(),
-    }
-}
-
 /// Why a file could not be read; a parse error shows the line, cut around the place.
-fn shown(path: &Path, e: &ReadError) -> String {
+pub fn shown(path: &Path, e: &ReadError) -> String {
     match e {
         ReadError::Io { source, .. } => cannot_read(path, source),
         ReadError::Word { .. } | ReadError::Values { .. } | ReadError::Format { .. } => e.to_string(),
@@ -514,21 +394,6 @@ pub fn patches(path: &Path, bspline: bool) -> Result<patch::Word, Failure> {
     }
     let stem = path.file_stem().map_or_else(|| "patches".into(), |stem| stem.to_string_lossy());
     patch::Word::from_nets(&stem, "P", &nets).map_err(|e| wrong(format!("{name}: {e}")))
-}
-
-/// The nets of a file, of the degree that the system rewrites.
-fn nets(path: &Path, system: &System, bspline: bool) -> Result<Vec<patch::Net>, String> {
-    let rational = matches!(system.kind, Kind::Patch { rational: true, .. });
-    let nets = read_nets(path, NetOptions { rational, bspline }).map_err(|e| shown(path, &e))?;
-    let Kind::Patch { degree, .. } = system.kind else { return Ok(nets) };
-    match nets.iter().position(|net| net.degree != degree) {
-        None => Ok(nets),
-        Some(patch) => {
-            let ([u, v], [m, n]) = (nets[patch].degree, degree);
-            let what = format!("patch {patch} of {} has degree {u}×{v}", path.display());
-            Err(format!("{what}; {} rewrites nets of degree {m}×{n}", system.name))
-        }
-    }
 }
 
 /// The line, at most 120 columns of it, and a caret below `column` (from 1).

@@ -1,5 +1,6 @@
 //! The subcommands. Each returns what went wrong as a [`Failure`], which knows the exit status.
 
+mod axiom;
 mod bench;
 mod compare;
 mod curve;
@@ -15,6 +16,7 @@ mod selftest;
 mod show;
 mod stop;
 mod tessellate;
+mod words;
 
 use clap::{Parser, Subcommand};
 use std::io::{IsTerminal, Write};

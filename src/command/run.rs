@@ -7,7 +7,7 @@ use super::{Failure, counted, flags, output, print, say, stop};
 use burgeon::cpu::Cpu;
 use burgeon::patch::{self, Net};
 use burgeon::plan::derive::{self, StepStats};
-use burgeon::plan::{self, Options, Progress, holes};
+use burgeon::plan::{self, Options, Plan, Progress, holes};
 use std::time::Instant;
 
 /// Derives and writes.
@@ -20,6 +20,9 @@ pub fn run(flags: &flags::Run) -> Result<(), Failure> {
         let what = "--points and --control are for the pictures of a curve";
         return Err(Failure::Usage(format!("error: {what}")));
     }
+    if let Some(flag) = flags.words.flag() {
+        return Err(Failure::Usage(format!("error: {flag} is for curves")));
+    }
     let targets = output::targets(&flags.out, &output::ALL)?;
     let watertight = flags.fineness.tolerance.is_some();
     if let (false, Some(flag)) = (watertight, tessellate::depth_flag(&flags.fineness)) {
@@ -27,7 +30,8 @@ pub fn run(flags: &flags::Run) -> Result<(), Failure> {
             "error: {flag} is for the mesh that --tolerance makes; give both"
         )));
     }
-    let job = load::job(&flags.derive, watertight)?;
+    // A mesh needs to know where holes are.
+    let job = load::job(&flags.derive, if watertight { Plan::keeping_holes } else { Plan::new })?;
     if let (false, Some(placement)) = (watertight, &job.plan.placement) {
         say(&format!(
             "note: `place {}` displaces the mesh that --tolerance makes; without it nothing is displaced",

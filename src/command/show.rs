@@ -1,6 +1,7 @@
 //! `burgeon check` and `burgeon wgsl`.
 
-use super::load::{self, AxiomError, Source};
+use super::axiom::{self, AxiomError};
+use super::load::Source;
 use super::{Failure, counted, flags, print, say};
 use burgeon::codegen::{self, Tessellation, Tuning};
 use burgeon::language::system::{Axiom, System};
@@ -60,7 +61,7 @@ fn compiled(source: &Source, system: &System) -> Result<String, Wrong> {
     if matches!(system.axiom, Axiom::None) {
         return Ok("checked and compiled; `run` needs an axiom".to_string());
     }
-    match load::axiom(source, system, None, true) {
+    match axiom::axiom(source, system, None, true) {
         Ok(axiom) => Ok(format!("checked and compiled, {}", counted(axiom.roots() as u64, "root"))),
         // The rules may be right where the file is not there yet.
         Err(AxiomError::Missing(d)) => Ok(format!("checked and compiled; {}", d.message)),

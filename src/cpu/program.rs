@@ -27,7 +27,8 @@ pub struct Input<'a> {
     /// The measured attributes, so many words a module.
     pub measured: &'a [u32],
     pub measured_words: usize,
-    /// Where the first child of each module goes, once that is known; and how many stand before all of them.
+    /// Where the first child of each module of the chunk goes, once that is known; and how many stand before all of
+    /// them.
     pub offsets: &'a [u32],
     pub made: u32,
     pub clock: Clock,
@@ -49,13 +50,15 @@ impl<'a> Input<'a> {
         let measured = &self.measured[row(modules.start)..row(modules.end)];
         let records = &self.records[modules.start * words..modules.end * words];
         let behind = self.behind.saturating_sub(modules.start);
-        let offset = |module: usize| module.min(self.offsets.len());
-        let offsets = &self.offsets[offset(modules.start)..offset(modules.end)];
-        Input { records, first: self.first + modules.start, behind, measured, offsets, ..*self }
+        Input { records, first: self.first + modules.start, behind, measured, ..*self }
     }
     /// Modules.
     pub fn len(&self) -> usize {
         self.records.len() / self.layout.record_words
+    }
+    /// Where the first child of module `i` goes.
+    fn offset(&self, i: usize) -> u32 {
+        self.offsets[self.first - self.layout.halo() + i]
     }
     /// Where the module stands in the window that is so many places to the right of the first.
     fn place(&self, offset: i32) -> usize {
@@ -116,8 +119,15 @@ pub fn run(graph: &Graph, block: &Input, registers: &mut Registers) {
                 out.iter_mut().zip(left).for_each(|(o, left)| *o = left as u32);
             }
             Node::Number(slot) => {
-                let number = |offset: &u32| block.made.wrapping_add(offset + slot);
-                out.iter_mut().zip(block.offsets).for_each(|(o, offset)| *o = number(offset));
+                // Each of several words counts by itself.
+                let words = block.linked.filter(|_| block.layout.word.is_some());
+                for (i, o) in out.iter_mut().enumerate().take(block.len()) {
+                    let before = words.map_or(block.made, |words| {
+                        let first = words.first_of((block.first + i) as u32);
+                        block.offsets[first as usize].wrapping_neg()
+                    });
+                    *o = before.wrapping_add(block.offset(i) + slot);
+                }
             }
             Node::NearSymbol(offset) => {
                 let column = block.window.iter().skip(block.place(offset) * words).step_by(words);
@@ -150,7 +160,7 @@ pub fn run(graph: &Graph, block: &Input, registers: &mut Registers) {
                 let flag = if lateral { LATERAL } else { 0 };
                 for (i, o) in out.iter_mut().enumerate().take(block.len()) {
                     let outside = || block.hangs[block.first + i];
-                    *o = flag | cell.map_or_else(outside, |cell| block.offsets[i] + cell);
+                    *o = flag | cell.map_or_else(outside, |cell| block.offset(i) + cell);
                 }
             }
             Node::Measured(_, at) => {

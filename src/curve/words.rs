@@ -6,7 +6,8 @@ use crate::language::Value;
 /// Words that are derived together, each as if it were alone: contexts never cross, and each has params and a seed of
 /// its own. A [`Plan::of_words`](crate::plan::Plan::of_words) takes them.
 ///
-/// Schedules must be the same: params that stand in the counts of `run:` must be equal in all.
+/// Schedules must be the same: params that stand in the counts of `run:` must be equal in all. `until terminal` goes on
+/// until no rule fires in any word.
 #[derive(Clone, Debug, Default)]
 pub struct Words {
     pub words: Vec<Start>,

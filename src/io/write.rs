@@ -25,6 +25,16 @@ impl WriteError {
     pub(super) fn not_finite(element: std::fmt::Arguments, value: f32) -> WriteError {
         WriteError::NotFinite { element: element.to_string(), value }
     }
+
+    /// Of one of several words, by its number.
+    pub(super) fn of_word(self, n: usize, words: usize) -> WriteError {
+        match self {
+            WriteError::NotFinite { element, value } if words > 1 => {
+                WriteError::NotFinite { element: format!("{element} of word {n}"), value }
+            }
+            e => e,
+        }
+    }
 }
 
 /// An output file that could not be written.

@@ -78,6 +78,13 @@ pub struct Uniform {
     pub span: Span,
 }
 
+impl Uniform {
+    /// The host may set it.
+    pub fn is_param(&self) -> bool {
+        matches!(self.kind, UniformKind::Param { .. })
+    }
+}
+
 #[derive(Clone, Debug)]
 pub enum UniformKind {
     /// A `param`: its default and, if written, its range.

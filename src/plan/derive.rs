@@ -11,9 +11,8 @@ use super::layout::{Header, LATERAL, Layout, NONE};
 use super::schedule::{self, Derive};
 use super::size::{self, Bounds};
 use super::step::Clock;
-use super::tables::{RulesOf, Stage};
-use super::turtle;
-use super::{Error, Plan};
+use super::tables::{RulesOf, Stage, Tables};
+use super::{Error, Plan, links, turtle};
 use crate::language::expr::Value;
 use crate::language::system::{Kind, Topology};
 use crate::{curve, patch};
@@ -247,6 +246,7 @@ pub fn derive<B: Backend>(
         finished: vec![],
         steps: vec![],
         modules,
+        words: each.len(),
         peak_bytes: modules * layout.module_bytes(),
         most_steps: most_steps(&schedule, options),
         backend,
@@ -310,6 +310,8 @@ struct Run<'a, B: Backend> {
     steps: Vec<StepStats>,
     /// Of the whole word.
     modules: u64,
+    /// How many words it is of; 0 where it is no plan of words.
+    words: usize,
     peak_bytes: u64,
     most_steps: u64,
 }
@@ -356,28 +358,50 @@ impl<B: Backend> Run<'_, B> {
             let id = StageId { rule_set, stage };
             fired |= self.sweep(id, clock)?;
         }
-        if let RulesOf::Trace(into) = self.plan.tables.rule_sets[rule_set].of
-            && self.modules == 0
-        {
-            let tables = &self.plan.tables;
-            let record = turtle::start(&tables.symbols, into, tables.layout.record_words);
-            let chunk = self.backend.upload(record, Vec::new())?;
-            self.frontier.push(chunk);
-            self.modules = 1;
+        if let RulesOf::Trace(into) = self.plan.tables.rule_sets[rule_set].of {
+            self.start_empty_words(into)?;
         }
         Ok(fired)
+    }
+
+    /// Where a word has no module, its trace is the point at which the turtle starts.
+    fn start_empty_words(&mut self, into: usize) -> Result<(), B::Error> {
+        let Tables { layout, symbols, .. } = &self.plan.tables;
+        let start = turtle::start(symbols, into, layout);
+        if self.words == 0 && self.modules == 0 {
+            self.frontier.push(self.backend.upload(start, Vec::new())?);
+            self.modules = 1;
+        } else if self.words > 0 && turtle::may_be_empty(self.plan) {
+            let chunks = std::mem::take(&mut self.frontier);
+            let mut words = 0;
+            let mut read = Vec::with_capacity(chunks.len());
+            for chunk in chunks {
+                read.push(self.backend.read(&chunk)?.0);
+                self.backend.recycle(chunk);
+            }
+            if read.is_empty() {
+                read.push(Vec::new());
+            }
+            self.modules = 0;
+            for n in 0..read.len() {
+                // Those of which nothing is left between two chunks go to the first.
+                let next = read[n + 1..].iter().find_map(|records| links::first_word(records, layout));
+                let until = next.unwrap_or(self.words);
+                let records = links::with_starts(&read[n], layout, &start, words..until);
+                words = until;
+                self.modules += (records.len() / layout.record_words) as u64;
+                self.frontier.push(self.backend.upload(records, Vec::new())?);
+            }
+        }
+        Ok(())
     }
 
     fn sweep(&mut self, id: StageId, clock: Clock) -> Result<bool, B::Error> {
         let layout = self.plan.tables.layout;
         let growth = id.of(self.plan).max_count() as usize;
-        let most = (self.backend.most_modules() / growth).max(1);
-        let mut most = self.options.chunk_modules.map_or(most, |m| most.min(m.max(1)));
-        if layout.link.is_some() {
-            // A linked word is one chunk: its links say where modules stand in it.
-            most = self.backend.most_modules();
-            self.fits_one_chunk(self.modules)?;
-        }
+        let whole = self.backend.most_modules();
+        let most = if layout.link.is_some() { whole } else { (whole / growth).max(1) };
+        let most = self.options.chunk_modules.map_or(most, |m| most.min(m.max(1)));
         let mut fired = false;
         let mut next = Vec::new();
         let mut waiting = std::mem::take(&mut self.frontier);
@@ -399,17 +423,37 @@ impl<B: Backend> Run<'_, B> {
                 return Err(Error::Stopped { steps: self.steps.len() as u32 }.into());
             }
             let length = self.backend.len(&chunk);
-            if length > most {
+            if length > most && layout.link.is_none() {
                 waiting.extend(self.backend.split(chunk, most)?.into_iter().rev());
                 continue;
+            }
+            // A linked word is one chunk: its links say where modules stand in it.
+            if length > most
+                && let Some(halves) = self.halves(&chunk)?
+            {
+                self.backend.recycle(chunk);
+                waiting.extend(halves.into_iter().rev());
+                continue;
+            }
+            if layout.link.is_some() {
+                self.fits_one_chunk(length as u64)?;
             }
             // The word as it stands, this chunk's old modules among it, is there beside the new ones.
             let held = self.modules * layout.module_bytes();
             let mut room = self.options.max_bytes.saturating_sub(held);
             if layout.link.is_some() {
-                room = room.min(most as u64 * layout.module_bytes());
+                room = room.min(whole as u64 * layout.module_bytes());
             }
             let outcome = self.backend.step(id, clock, &chunk, room)?;
+            if let Outcome::NoRoom { modules, .. } = outcome
+                && layout.link.is_some()
+                && modules > whole as u64
+                && let Some(halves) = self.halves(&chunk)?
+            {
+                self.backend.recycle(chunk);
+                waiting.extend(halves.into_iter().rev());
+                continue;
+            }
             self.backend.recycle(chunk);
             match outcome {
                 Outcome::Done { next: live, retired, fired: any } => {
@@ -446,6 +490,17 @@ impl<B: Backend> Run<'_, B> {
         }
         self.frontier = next;
         Ok(fired)
+    }
+
+    /// Several words of a chunk in two chunks; none where it holds one word.
+    fn halves(&mut self, chunk: &B::Chunk) -> Result<Option<[B::Chunk; 2]>, B::Error> {
+        let layout = &self.plan.tables.layout;
+        if layout.word.is_none() {
+            return Ok(None);
+        }
+        let (records, _) = self.backend.read(chunk)?;
+        let Some([first, second]) = links::halves(&records, layout) else { return Ok(None) };
+        Ok(Some([self.backend.upload(first, Vec::new())?, self.backend.upload(second, Vec::new())?]))
     }
 
     fn fits_one_chunk(&self, modules: u64) -> Result<(), Error> {
@@ -488,21 +543,19 @@ pub fn collect_words<B: Backend>(
     let Some(at) = layout.word else {
         return Err(Error::Axiom("only a plan of words has several: Plan::of_words".to_string()).into());
     };
-    let mut all: Vec<Vec<u32>> = vec![Vec::new(); count];
-    let mut first = vec![0; count];
-    let mut modules = 0;
+    let (mut all, mut first) = (vec![Vec::new(); count], vec![0; count]);
     for chunk in &derivation.chunks {
-        for record in backend.read(chunk)?.0.chunks_exact(layout.record_words) {
+        let (records, _) = backend.read(chunk)?;
+        for (n, record) in records.chunks_exact(layout.record_words).enumerate() {
             let word = record[at] as usize;
-            let Some(records) = all.get_mut(word) else {
-                let what = format!("module {modules} is of no word: the device is not right");
+            let Some(own) = all.get_mut(word) else {
+                let what = format!("module {n} is of no word: the device is not right");
                 return Err(Error::Value(what).into());
             };
-            if records.is_empty() {
-                first[word] = modules;
+            if own.is_empty() {
+                first[word] = n;
             }
-            records.extend(record);
-            modules += 1;
+            own.extend(record);
         }
     }
     let words = all

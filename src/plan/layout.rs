@@ -20,8 +20,8 @@
 //! Where neighbours do not stand side by side (trees, symbols that contexts ignore, several curves or words at once)
 //! words are *linked*: behind the path stands what a module hangs on, the index of the module before it on its axis
 //! or, with [`LATERAL`], of the one at which its branch begins; [`NONE`] for the first of a curve; in a ring the
-//! first hangs on the last. Where several words are derived at once the index of its word follows. A linked word is
-//! one chunk, with nothing beside it.
+//! first hangs on the last. Where several words are derived at once the index of its word follows. A linked word is in
+//! one chunk, with nothing beside it but other words.
 //!
 //! **Order key**: the children taken since the root, left-aligned: two bits for a 2×2 block
 //! (row, column), one for 1×2 and 2×1. The modules of a word are leaves of one derivation tree, so

@@ -3,6 +3,7 @@
 use super::context::{Equal, Go, Operand, Place, Search};
 use super::graph::Scalar;
 use super::layout::{END, LATERAL, Layout, NONE};
+use std::ops::Range;
 
 /// No module.
 pub const NOWHERE: u32 = u32::MAX;
@@ -32,6 +33,56 @@ pub struct Linked<'a> {
 /// The word of a record that holds its link.
 pub fn link_of(layout: &Layout, record: &[u32]) -> u32 {
     layout.link.map_or(NONE, |word| record[word])
+}
+
+/// The word of the first of these records.
+pub fn first_word(records: &[u32], layout: &Layout) -> Option<usize> {
+    records.get(layout.word?).map(|&word| word as usize)
+}
+
+/// The records of these words, with this one for each of which there is none.
+pub fn with_starts(records: &[u32], layout: &Layout, start: &[u32], words: Range<usize>) -> Vec<u32> {
+    let (Some(word), Some(link)) = (layout.word, layout.link) else { return records.to_vec() };
+    let mut all = Vec::with_capacity(records.len());
+    let (mut next, mut added) = (words.start, 0);
+    let begin = |all: &mut Vec<u32>, empty: usize| {
+        let at = all.len();
+        all.extend(start);
+        (all[at + word], all[at + link]) = (empty as u32, NONE);
+    };
+    for record in records.chunks_exact(layout.record_words) {
+        let own = record[word] as usize;
+        for empty in next..own {
+            begin(&mut all, empty);
+            added += 1;
+        }
+        next = own + 1;
+        let at = all.len();
+        all.extend(record);
+        if record[link] & NONE != NONE {
+            all[at + link] += added;
+        }
+    }
+    (next..words.end).for_each(|empty| begin(&mut all, empty));
+    all
+}
+
+/// Several words in two parts, about as long; none where it is one.
+pub fn halves(records: &[u32], layout: &Layout) -> Option<[Vec<u32>; 2]> {
+    let (word, link, words) = (layout.word?, layout.link?, layout.record_words);
+    let count = records.len() / words;
+    let begins = |&n: &usize| records[n * words + word] != records[(n - 1) * words + word];
+    let before = (1..=count / 2).rev().find(begins);
+    let behind = (count / 2 + 1..count).find(begins);
+    let at = [before, behind].into_iter().flatten().min_by_key(|n| n.abs_diff(count / 2))?;
+    let (first, second) = records.split_at(at * words);
+    let mut second = second.to_vec();
+    for record in second.chunks_exact_mut(words) {
+        if record[link] & NONE != NONE {
+            record[link] -= at as u32;
+        }
+    }
+    Some([first.to_vec(), second])
 }
 
 impl Linked<'_> {
@@ -81,6 +132,22 @@ impl Linked<'_> {
             Some(before) if word(before) == word(i) => before,
             _ => NOWHERE,
         }
+    }
+
+    /// The first module of a module's word: words stand one after the other.
+    pub fn first_of(&self, i: u32) -> u32 {
+        let Some(word) = self.layout.word else { return 0 };
+        let own = self.word(i, word);
+        let (mut low, mut high) = (0, i);
+        while low < high {
+            let middle = low + (high - low) / 2;
+            if self.word(middle, word) < own {
+                low = middle + 1;
+            } else {
+                high = middle;
+            }
+        }
+        low
     }
 
     /// A place that is no search's.

@@ -264,7 +264,7 @@ impl Plan {
 /// See [`Plan::uniforms`].
 fn uniforms(system: &System, set: &[(String, Value)]) -> Result<Vec<Value>, Error> {
     for (name, _) in set {
-        if !system.uniforms.iter().any(|u| u.name == *name && is_param(&u.kind)) {
+        if !system.uniforms.iter().any(|u| u.name == *name && u.is_param()) {
             return Err(Error::Set(no_such_param(system, name)));
         }
     }
@@ -288,15 +288,11 @@ fn uniforms(system: &System, set: &[(String, Value)]) -> Result<Vec<Value>, Erro
 
 fn no_such_param(system: &System, name: &str) -> String {
     let params: Vec<&str> =
-        system.uniforms.iter().filter(|u| is_param(&u.kind)).map(|u| u.name.as_str()).collect();
+        system.uniforms.iter().filter(|u| u.is_param()).map(|u| u.name.as_str()).collect();
     match params.as_slice() {
         [] => format!("`{name}` cannot be set: the system {} has no params", system.name),
         list => format!("`{name}` is no param of {}; it has {}", system.name, list.join(", ")),
     }
-}
-
-fn is_param(kind: &UniformKind) -> bool {
-    matches!(kind, UniformKind::Param { .. })
 }
 
 /// The value as the param's type, within its range.

@@ -17,9 +17,10 @@
 //! folds are not right, of a random path in space, no coordinate is off by more than 4·ε·√n of the greatest one, which
 //! the tests measure over a million moves.
 
+use super::Plan;
 use super::context::{Near, Place};
-use super::layout::END;
-use super::tables::{MatchRule, Production, Successor, Symbol};
+use super::layout::{END, Layout, NONE};
+use super::tables::{MatchRule, Production, RulesOf, Successor, Symbol};
 use crate::language::Span;
 use crate::language::expr::{Expr, ExprKind, Type, Value};
 use crate::language::system::{Hang, Kind, System, Topology};
@@ -214,9 +215,12 @@ fn zero(ty: &Type, span: Span) -> Expr {
 
 /// The record of the point at which the turtle starts: the word that is traced of no modules, or of a ring in which
 /// nothing moves.
-pub fn start(symbols: &[Symbol], into: usize, record_words: usize) -> Vec<u32> {
-    let mut record = vec![0; record_words];
+pub fn start(symbols: &[Symbol], into: usize, layout: &Layout) -> Vec<u32> {
+    let mut record = vec![0; layout.record_words];
     record[0] = into as u32;
+    if let Some(link) = layout.link {
+        record[link] = NONE;
+    }
     let symbol = &symbols[into];
     for (field, &at) in symbol.fields.iter().zip(&symbol.words) {
         if field.ty == Type::Float {
@@ -224,6 +228,13 @@ pub fn start(symbols: &[Symbol], into: usize, record_words: usize) -> Vec<u32> {
         }
     }
     record
+}
+
+/// Whether nothing may be left of a word that was traced: an open one has a start, if it has a module.
+pub fn may_be_empty(plan: &Plan) -> bool {
+    let written = plan.tables.rule_sets.iter().filter(|set| matches!(set.of, RulesOf::Groups(_)));
+    let mut productions = written.flat_map(|set| &set.stages).flat_map(|stage| &stage.productions);
+    plan.system.kind == Kind::Curve(Topology::Ring) || productions.any(|p| p.count() == 0)
 }
 
 /// How far a coordinate may be off behind so many modules on any machine, where none of the positions so far has a

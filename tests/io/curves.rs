@@ -1,7 +1,7 @@
 //! Curves from .svg, .csv and .obj, and their pictures.
 
 use burgeon::curve::{Module, Word};
-use burgeon::io::curves::{Line, Picture, Polyline, Style, csv, raster, svg};
+use burgeon::io::curves::{Line, Panel, Picture, Polyline, Style, csv, raster, svg};
 use burgeon::io::{ParseError, obj};
 use burgeon::language::system::{Field, Topology};
 use burgeon::language::{Type, Value};
@@ -184,8 +184,13 @@ fn a_picture_has_margins_and_strokes_in_proportion() {
 fn the_svg_says_what_it_shows() {
     let control =
         vec![Line { points: vec![[0.0, 0.0, 0.0], [12.0, 0.0, 0.0]], closed: true, widths: Vec::new() }];
-    let style = Style { control, points: true, ..Style::default() };
-    let text = String::from_utf8(written(&word(Topology::Ring, &CORNER), &style)).expect("UTF-8");
+    let style = Style { points: true, ..Style::default() };
+    let ring = word(Topology::Ring, &CORNER);
+    let picture =
+        Picture::sheet(&[Panel { words: vec![&ring], control }], None, &style).expect("finite points");
+    let mut text = Vec::new();
+    svg::write(&mut text, &picture).expect("memory");
+    let text = String::from_utf8(text).expect("UTF-8");
     assert!(text.contains("<title>s &amp; &lt;t></title>"), "{text}");
     assert!(text.contains(" -10.6 13.2 11.2\""), "{text}");
     assert!(text.contains("M 0.0 0.0 10.0 0.0 10.0 -10.0 Z"), "{text}");
@@ -282,6 +287,65 @@ fn a_tree_is_a_line_for_each_axis() {
     let widths: Vec<(usize, f64)> = picture.strokes.iter().map(|s| (s.points.len(), s.width)).collect();
     assert_eq!(widths, [(2, 2.0), (2, 0.5), (3, 1.0)]);
     let mut text = Vec::new();
-    obj::write_lines(&mut text, &tree).expect("memory");
+    obj::write_lines(&mut text, &[&tree]).expect("memory");
     assert_eq!(obj::lines(&text).expect("what is written").len(), 2);
+}
+
+#[test]
+fn a_sheet_has_a_place_for_each_word() {
+    // Of different sizes, far apart.
+    let sides = [4.0f32, 2.0, 1.0, 3.0, 0.0];
+    let square = |(n, &side): (usize, &f32)| {
+        let [x, y] = [100.0 * n as f32, -50.0];
+        word(
+            Topology::Ring,
+            &[[x, y, 0.0], [x + side, y, 0.0], [x + side, y + side, 0.0], [x, y + side, 0.0]],
+        )
+    };
+    let words: Vec<Word> = sides.iter().enumerate().map(square).collect();
+    let panels: Vec<Panel> =
+        words.iter().map(|word| Panel { words: vec![word], ..Panel::default() }).collect();
+    let sheet = Picture::sheet(&panels, Some(2), &Style::default()).expect("finite points");
+    // A gap of 0.12 of the largest side, 4; strokes and margins in proportion to that side.
+    let left: Vec<[f32; 2]> = sheet.strokes.iter().map(|stroke| stroke.points[0]).collect();
+    let step = 4.48f32;
+    let rows = [2.0 * step, 2.0 * step, step, step, 0.0];
+    let columns = [0.0, step + 1.0, 1.5, step + 0.5, 2.0];
+    for (n, at) in left.iter().enumerate() {
+        assert!((at[0] - columns[n]).abs() < 1e-5 && (at[1] - rows[n]).abs() < 1e-5, "{n}: {at:?}");
+    }
+    assert!((sheet.size[0] - 8.88).abs() < 1e-5 && (sheet.size[1] - 13.36).abs() < 1e-5, "{:?}", sheet.size);
+    assert!(sheet.strokes.iter().all(|stroke| (stroke.width - 0.02).abs() < 1e-6));
+    // Nobody has said how many columns: about 3 to 2.
+    let square = Picture::sheet(&[panels.clone(), panels.clone()].concat(), None, &Style::default());
+    let [width, height] = square.expect("finite points").size;
+    assert!(width > height && width < 2.5 * height, "{width} {height}");
+}
+
+#[test]
+fn several_words_are_one_file() {
+    let words = [word(Topology::Ring, &CORNER), word(Topology::Ring, &CORNER[..2])];
+    let all: Vec<&Word> = words.iter().collect();
+    let expected: Vec<usize> = words.iter().map(|word| word.modules.len()).collect();
+    let mut text = Vec::new();
+    csv::write(&mut text, &all).expect("memory");
+    let read = csv::parse(&text).expect("what is written is read");
+    assert_eq!(read.iter().map(Vec::len).collect::<Vec<_>>(), expected);
+    let mut text = Vec::new();
+    obj::write_lines(&mut text, &all).expect("memory");
+    let read = obj::lines(&text).expect("what is written is read");
+    assert_eq!(read.iter().map(Vec::len).collect::<Vec<_>>(), expected);
+    let text = String::from_utf8(text).expect("UTF-8");
+    assert!(text.contains("o s & <t>_0\n") && text.contains("o s & <t>_1\n"), "{text}");
+    let infinite = word(Topology::Open, &[[0.0; 3], [0.0, 0.0, f32::INFINITY]]);
+    let wrong = [&words[0], &infinite];
+    let said = [
+        csv::write(&mut Vec::new(), &wrong).expect_err("no such number").to_string(),
+        obj::write_lines(&mut Vec::new(), &wrong).expect_err("no such number").to_string(),
+    ];
+    assert_eq!(
+        said,
+        ["module 1 of word 1", "point 1 of word 1"]
+            .map(|element| { format!("{element} holds inf, which is not a finite number") })
+    );
 }

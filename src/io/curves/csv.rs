@@ -70,13 +70,15 @@ fn curves(text: &[u8]) -> Result<Vec<Polyline>, Wrong> {
 }
 
 /// Writes a row for each module: its symbol where there are several, then its parameters, a vector's components in
-/// columns of their own. The first row names the columns of the first module's symbol.
+/// columns of their own; an empty row between words. The first row names the columns of the first module's symbol.
 ///
 /// # Errors
 /// What the writer reports; a number that is not finite, naming the module.
-pub fn write(writer: &mut dyn Write, word: &Word) -> Result<(), WriteError> {
-    let several = word.modules.iter().any(|m| m.symbol != word.modules[0].symbol);
-    if let Some(first) = word.modules.first() {
+pub fn write(writer: &mut dyn Write, words: &[&Word]) -> Result<(), WriteError> {
+    let mut all = words.iter().flat_map(|word| word.modules.iter().map(move |module| (word, module)));
+    let first = all.next();
+    let several = all.any(|(_, m)| first.is_some_and(|(_, first)| first.symbol != m.symbol));
+    if let Some((word, first)) = first {
         let fields = &word.symbols[first.symbol].fields;
         let mut names: Vec<String> = several.then(|| "symbol".to_string()).into_iter().collect();
         for (field, value) in fields.iter().zip(&first.params) {
@@ -88,16 +90,23 @@ pub fn write(writer: &mut dyn Write, word: &Word) -> Result<(), WriteError> {
         }
         writeln!(writer, "{}", names.join(","))?;
     }
-    for (n, module) in word.modules.iter().enumerate() {
-        let mut row = Vec::new();
-        if several {
-            row.extend(word.symbols[module.symbol].name.as_bytes());
+    for (place, word) in words.iter().enumerate() {
+        if place > 0 {
+            writeln!(writer)?;
         }
-        for value in &module.params {
-            cells(&mut row, value).map_err(|x| WriteError::not_finite(format_args!("module {n}"), x))?;
+        for (n, module) in word.modules.iter().enumerate() {
+            let mut row = Vec::new();
+            if several {
+                row.extend(word.symbols[module.symbol].name.as_bytes());
+            }
+            for value in &module.params {
+                cells(&mut row, value).map_err(|x| {
+                    WriteError::not_finite(format_args!("module {n}"), x).of_word(place, words.len())
+                })?;
+            }
+            row.push(b'\n');
+            writer.write_all(&row)?;
         }
-        row.push(b'\n');
-        writer.write_all(&row)?;
     }
     Ok(())
 }

@@ -7,10 +7,17 @@
 //!
 //! A module that does not hang on the one before it tells its `parent`, the index of a module or null, and whether it is
 //! the first of a branch: `"parent": 3, "lateral": true`.
+//!
+//! Several words are a list, each with what it was derived with:
+//!
+//! ```json
+//! {"version": 1, "kind": "curves", "words": [
+//! {"set": {"w": 0.25}, "seed": 7, "word": {"version": 1, "kind": "curve", …}}, …]}
+//! ```
 
 use super::super::number::Number;
 use super::super::write::WriteError;
-use crate::curve::Word;
+use crate::curve::{Word, Words};
 use crate::language::Value;
 use crate::language::system::Topology;
 use serde::ser::{Serialize, SerializeSeq, Serializer};
@@ -22,6 +29,32 @@ use std::io::Write;
 /// # Errors
 /// What the writer reports; a number that is not finite, naming the module.
 pub fn write(writer: &mut dyn Write, word: &Word) -> Result<(), WriteError> {
+    object(writer, word)?;
+    Ok(writeln!(writer)?)
+}
+
+/// Writes several words that these starts have become.
+///
+/// # Errors
+/// What the writer reports; a number that is not finite, naming the word and the module.
+pub fn write_words(writer: &mut dyn Write, starts: &Words, words: &[Word]) -> Result<(), WriteError> {
+    write!(writer, "{{\"version\":1,\"kind\":\"curves\",\"words\":[")?;
+    for (n, (start, word)) in starts.words.iter().zip(words).enumerate() {
+        let comma = if n == 0 { "" } else { "," };
+        write!(writer, "{comma}\n{{\"set\":{{")?;
+        for (k, (name, value)) in start.set.iter().enumerate() {
+            let comma = if k == 0 { "" } else { "," };
+            let value = serde_json::to_string(&Param(value)).map_err(std::io::Error::from)?;
+            write!(writer, "{comma}{}:{value}", json!(name))?;
+        }
+        write!(writer, "}},\"seed\":{},\"word\":", start.seed)?;
+        object(writer, word).map_err(|e| e.of_word(n, words.len()))?;
+        write!(writer, "}}")?;
+    }
+    Ok(writeln!(writer, "\n]}}")?)
+}
+
+fn object(writer: &mut dyn Write, word: &Word) -> Result<(), WriteError> {
     let topology = match word.topology {
         Topology::Ring => "ring",
         Topology::Open => "open",
@@ -52,7 +85,7 @@ pub fn write(writer: &mut dyn Write, word: &Word) -> Result<(), WriteError> {
         }
         write!(writer, "}}")?;
     }
-    Ok(writeln!(writer, "\n]}}")?)
+    Ok(write!(writer, "\n]}}")?)
 }
 
 /// For each word of a value whether it is a float.

@@ -6,7 +6,7 @@ mod picture;
 pub mod raster;
 pub mod svg;
 
-pub use picture::{Picture, Stroke, Style};
+pub use picture::{Panel, Picture, Stroke, Style};
 
 use super::obj;
 use super::text::ReadError;

@@ -8,25 +8,37 @@ use crate::tessellate::Up;
 /// How curves are drawn.
 #[derive(Clone, Debug)]
 pub struct Style {
-    /// Thin polygons under the curves: those of the axiom.
-    pub control: Vec<Line>,
     /// A circle at each point.
     pub points: bool,
     /// What points up: y, so that z is left out, or z, so that y is.
     pub up: Up,
-    /// The width of strokes, of the larger side of what is drawn. Modules with a float `r` have that width, in
+    /// The width of strokes, of the larger side of what is drawn, or of one panel. Modules with a float `r` have that width, in
     /// units of the model.
     pub stroke: f64,
 }
 
 impl Default for Style {
     fn default() -> Style {
-        Style { control: Vec::new(), points: false, up: Up::Y, stroke: 0.005 }
+        Style { points: false, up: Up::Y, stroke: 0.005 }
     }
+}
+
+/// Words drawn over each other.
+#[derive(Clone, Debug, Default)]
+pub struct Panel<'a> {
+    pub words: Vec<&'a Word>,
+    /// Thin polygons under the curves: those of the axiom.
+    pub control: Vec<Line>,
 }
 
 /// Of the larger side.
 const MARGIN: f64 = 0.05;
+
+/// Between panels, of the larger side of one.
+const GAP: f64 = 0.12;
+
+/// Width to height of a sheet whose columns nobody has set, about.
+const SHAPE: f64 = 1.5;
 
 pub(super) const CONTROL: [u8; 3] = [185, 178, 167];
 pub(super) const DOTS: [u8; 3] = [180, 71, 47];
@@ -57,36 +69,54 @@ pub struct Stroke {
 }
 
 impl Picture {
-    /// The curves of some words in one picture. Strokes are in proportion to it, however large its coordinates are.
+    /// The curves of some words in one picture, where their coordinates are. Strokes are in proportion to it, however
+    /// large these are.
     ///
     /// # Errors
     /// A coordinate that is not finite, naming the point.
     pub fn of(words: &[&Word], style: &Style) -> Result<Picture, WriteError> {
-        let mut strokes = Vec::new();
-        for control in &style.control {
-            strokes.extend(strokes_of(control, style.up, CONTROL)?);
-        }
-        for (n, word) in words.iter().enumerate() {
-            for line in &lines(word) {
-                strokes.extend(strokes_of(line, style.up, COLORS[n % COLORS.len()])?);
-            }
-        }
-        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for point in strokes.iter().flat_map(|stroke| &stroke.points) {
-            for k in 0..2 {
-                low[k] = low[k].min(point[k].into());
-                high[k] = high[k].max(point[k].into());
-            }
-        }
-        if low[0] > high[0] {
-            (low, high) = ([0.0; 2], [0.0; 2]);
-        }
-        let size = [high[0] - low[0], high[1] - low[1]];
-        let larger = match size[0].max(size[1]) {
+        Picture::sheet(&[Panel { words: words.to_vec(), control: Vec::new() }], None, style)
+    }
+
+    /// Panels side by side in rows, all of one scale: the words of each stand in the middle of its place, on its lower
+    /// end. A single one stays where its coordinates are.
+    ///
+    /// # Errors
+    /// As [`Picture::of`].
+    pub fn sheet(panels: &[Panel], columns: Option<usize>, style: &Style) -> Result<Picture, WriteError> {
+        let strokes = |(n, panel)| {
+            strokes_of_panel(panel, style.up).map_err(|e: WriteError| e.of_word(n, panels.len()))
+        };
+        let drawn = panels.iter().enumerate().map(strokes);
+        let mut drawn = drawn.collect::<Result<Vec<_>, _>>()?;
+        let boxes: Vec<[[f64; 2]; 2]> = drawn.iter().map(|strokes| around(strokes)).collect();
+        // Of the largest panel.
+        let size = |[low, high]: &[[f64; 2]; 2]| [high[0] - low[0], high[1] - low[1]];
+        let place = boxes.iter().map(size).fold([0.0; 2], |a: [f64; 2], b| [a[0].max(b[0]), a[1].max(b[1])]);
+        let larger = match place[0].max(place[1]) {
             // A word of one point, or of none.
             0.0 => 1.0,
             larger => larger,
         };
+        let (mut corner, mut whole) = (boxes.first().map_or([0.0; 2], |b| b[0]), place);
+        if panels.len() > 1 {
+            let step = place.map(|side| side + GAP * larger);
+            let wide = (panels.len() as f64 * SHAPE * step[1] / step[0]).sqrt().round() as usize;
+            let columns = columns.unwrap_or(wide).clamp(1, panels.len());
+            let rows = panels.len().div_ceil(columns);
+            for (n, (strokes, [low, high])) in drawn.iter_mut().zip(&boxes).enumerate() {
+                let [column, row] = [n % columns, rows - 1 - n / columns];
+                let left = column as f64 * step[0] + (place[0] - (high[0] - low[0])) / 2.0;
+                let by = [left - low[0], row as f64 * step[1] - low[1]];
+                for point in strokes.iter_mut().flat_map(|stroke| &mut stroke.points) {
+                    *point = [0, 1].map(|k| (f64::from(point[k]) + by[k]) as f32);
+                }
+            }
+            corner = [0.0; 2];
+            whole = [columns, rows].map(|n| (n - 1) as f64);
+            whole = [0, 1].map(|k| whole[k] * step[k] + place[k]);
+        }
+        let mut strokes: Vec<Stroke> = drawn.into_iter().flatten().collect();
         let (width, margin) = (larger * style.stroke, larger * MARGIN);
         for stroke in &mut strokes {
             let control = stroke.color == CONTROL;
@@ -95,13 +125,41 @@ impl Picture {
             }
             stroke.dots = if style.points && !control { 2.0 * width } else { 0.0 };
         }
+        let mut names: Vec<&str> =
+            panels.iter().flat_map(|panel| &panel.words).map(|word| word.system.as_str()).collect();
+        names.dedup();
         Ok(Picture {
-            title: words.iter().map(|word| word.system.as_str()).collect::<Vec<_>>().join(", "),
-            corner: low.map(|x| x - margin),
-            size: size.map(|side| side + 2.0 * margin),
+            title: names.join(", "),
+            corner: corner.map(|x| x - margin),
+            size: whole.map(|side| side + 2.0 * margin),
             strokes,
         })
     }
+}
+
+fn strokes_of_panel(panel: &Panel, up: Up) -> Result<Vec<Stroke>, WriteError> {
+    let mut strokes = Vec::new();
+    for control in &panel.control {
+        strokes.extend(strokes_of(control, up, CONTROL)?);
+    }
+    for (n, word) in panel.words.iter().enumerate() {
+        for line in &lines(word) {
+            strokes.extend(strokes_of(line, up, COLORS[n % COLORS.len()])?);
+        }
+    }
+    Ok(strokes)
+}
+
+/// The lower left and the upper right corner of what is drawn; 0 of nothing.
+fn around(strokes: &[Stroke]) -> [[f64; 2]; 2] {
+    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    for point in strokes.iter().flat_map(|stroke| &stroke.points) {
+        for k in 0..2 {
+            low[k] = low[k].min(point[k].into());
+            high[k] = high[k].max(point[k].into());
+        }
+    }
+    if low[0] > high[0] { [[0.0; 2]; 2] } else { [low, high] }
 }
 
 /// The strokes of a line: one, or where its width changes several. Of width 0 they are as wide as all.

@@ -69,36 +69,46 @@ fn curves(text: &[u8]) -> Result<Vec<Polyline>, Wrong> {
         .collect())
 }
 
-/// Writes the curves of a word: a `v` for each point, an `l` for each curve, which ends at its first vertex where it
-/// closes.
+/// Writes the curves of some words: an `o` for each word, a `v` for each point, an `l` for each curve, which ends at its
+/// first vertex where it closes.
 ///
 /// # Errors
 /// What the writer reports; a coordinate that is not finite, naming the point.
-pub fn write(writer: &mut dyn Write, word: &Word) -> Result<(), WriteError> {
-    writeln!(writer, "o {}", one_line(&word.system))?;
+pub fn write(writer: &mut dyn Write, words: &[&Word]) -> Result<(), WriteError> {
     let mut first = 1;
-    for curves::Line { points, closed, .. } in curves::lines(word) {
-        write_in_blocks(writer, points.len(), |n, text| {
-            if let Some(&x) = points[n].iter().find(|x| !x.is_finite()) {
-                return Err(WriteError::not_finite(format_args!("point {n}"), x));
-            }
-            text.push(b'v');
-            write_each(text, b" ", &points[n])?;
-            text.push(b'\n');
-            Ok(())
-        })?;
-        if points.len() > 1 {
-            write!(writer, "l")?;
-            write_in_blocks(writer, points.len(), |n, text| {
-                text.push(b' ');
-                Ok(write_usize(text, first + n)?)
-            })?;
-            if closed {
-                write!(writer, " {first}")?;
-            }
-            writeln!(writer)?;
+    for (n, word) in words.iter().enumerate() {
+        let number = if words.len() > 1 { format!("_{n}") } else { String::new() };
+        writeln!(writer, "o {}{number}", one_line(&word.system))?;
+        for line in curves::lines(word) {
+            write_line(writer, &line, first).map_err(|e| e.of_word(n, words.len()))?;
+            first += line.points.len();
         }
-        first += points.len();
+    }
+    Ok(())
+}
+
+/// A curve whose first vertex has this number.
+fn write_line(writer: &mut dyn Write, line: &curves::Line, first: usize) -> Result<(), WriteError> {
+    let curves::Line { points, closed, .. } = line;
+    write_in_blocks(writer, points.len(), |n, text| {
+        if let Some(&x) = points[n].iter().find(|x| !x.is_finite()) {
+            return Err(WriteError::not_finite(format_args!("point {n}"), x));
+        }
+        text.push(b'v');
+        write_each(text, b" ", &points[n])?;
+        text.push(b'\n');
+        Ok(())
+    })?;
+    if points.len() > 1 {
+        write!(writer, "l")?;
+        write_in_blocks(writer, points.len(), |n, text| {
+            text.push(b' ');
+            Ok(write_usize(text, first + n)?)
+        })?;
+        if *closed {
+            write!(writer, " {first}")?;
+        }
+        writeln!(writer)?;
     }
     Ok(())
 }

@@ -87,7 +87,7 @@ pub enum Node {
     Held(u32),
     /// The greater of the halvings along u and v.
     Level,
-    /// The number in the new word of the child in this slot; only children may ask.
+    /// The number in its new word of the child in this slot; only children may ask.
     Number(u32),
     /// Steps done in this derive.
     Step,

@@ -330,9 +330,9 @@ impl Tables {
                 let moves = system.symbols.iter().any(|s| s.name == "f");
                 let traces = rules_of(&system.run).iter().any(|of| matches!(of, RulesOf::Trace(_)));
                 let links = tree || words || !system.ignored.is_empty() || moves && traces;
-                if words && traces && draws(system) {
-                    let what = "random numbers beside `trace`, in several words at once";
-                    return Err(Unsupported::new(what, system.source.kind_span));
+                if let (true, Some(span)) = (words, ends_apart(system)) {
+                    let what = "`until terminal` beside random numbers or `step`, in several words at once";
+                    return Err(Unsupported::new(what, span));
                 }
                 let has = CurveHeader { paths: draws(system), links, words };
                 Layout::of_curve(param_words.max().unwrap_or(0), has)
@@ -444,14 +444,32 @@ fn closed_growth(stage: &Stage, symbols: &[Symbol]) -> Option<u32> {
 
 /// Whether rules draw random numbers.
 fn draws(system: &System) -> bool {
+    let rules = || system.groups.iter().flat_map(|group| &group.rules);
+    rules().any(|rule| rule.alternatives.len() > 1)
+        || any_in_rules(system, &|e| matches!(e.kind, ExprKind::Random { .. }))
+}
+
+/// Whether an expression of a rule is one of these.
+fn any_in_rules(system: &System, is: &dyn Fn(&Expr) -> bool) -> bool {
     let mut found = false;
     for rule in system.groups.iter().flat_map(|group| &group.rules) {
-        found |= rule.alternatives.len() > 1;
-        crate::plan::given::of_rule(rule, &mut |e| {
-            e.walk(&mut |e| found |= matches!(e.kind, ExprKind::Random { .. }))
-        });
+        crate::plan::given::of_rule(rule, &mut |e| e.walk(&mut |e| found |= is(e)));
     }
     found
+}
+
+/// The step of the schedule before whose end some word of several could do other things than alone: derived together all
+/// go on until no rule fires in any, and what was terminal may not be so in the next step.
+fn ends_apart(system: &System) -> Option<Span> {
+    fn of_steps(steps: &[system::Step]) -> Option<Span> {
+        steps.iter().find_map(|step| match &step.kind {
+            system::StepKind::Derive { until_terminal: true, .. } => Some(step.span),
+            system::StepKind::Repeat { body, .. } | system::StepKind::If { body, .. } => of_steps(body),
+            _ => None,
+        })
+    }
+    let steps_matter = draws(system) || any_in_rules(system, &changes_with_step);
+    of_steps(&system.run).filter(|_| steps_matter)
 }
 
 /// FNV-1a.
