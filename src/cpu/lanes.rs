@@ -2,28 +2,36 @@
 //!
 //! Where the coordinates of a child are one expression, each over its own coordinate of the points around, a record is
 //! a vector as it lies in memory: nothing is gathered into columns and scattered again. The operations are the same,
-//! lane by lane, and so are the bits. Chaikin's rule on points in space is 3 loads, 5 operations and 2 stores of 16
-//! bytes a module, where columns take 9 loads, 15 operations and 8 stores of 4.
+//! lane by lane, and so are the bits. Sums of weighted points, most rules of curves, need no registers in memory:
+//! [`super::sums`].
 
 use super::program::Input;
+use super::sums::{self, Child, Sum};
 use crate::language::ops::Cpu;
 use crate::plan::code::ChildCode;
 use crate::plan::graph::{Graph, Node, NodeId, Scalar};
 use crate::plan::tables::Production;
+use glam::{BVec4A, Vec4};
 
 /// Words of a record.
-const LANES: usize = 4;
+pub const LANES: usize = 4;
 /// Modules that are done at once: their registers stay in the nearest cache.
 const BLOCK: usize = 64;
 
 /// One operation on all lanes; what it reads stands before it.
-enum Op {
+pub enum Op {
     /// The record so many places to the right, without its symbol.
     Load(i32),
     /// A word of the environment in all lanes, or a constant.
     Uniform(usize),
     Constant(u32),
-    Call(Cpu, [usize; 3]),
+    /// A row of the table of operations.
+    Call {
+        name: &'static str,
+        cpu: Cpu,
+        args: usize,
+        registers: [usize; 3],
+    },
 }
 
 /// The children of a production as operations on lanes.
@@ -31,6 +39,8 @@ pub struct Lanes {
     ops: Vec<Op>,
     /// For each child its symbol and the register of its coordinates.
     children: Vec<(u32, usize)>,
+    /// What the children are, if all are sums of points.
+    sums: Option<Vec<Sum>>,
     /// Coordinates of a point, 1 to 3.
     coordinates: usize,
     /// All symbols are 0, and so are numbers in their lane: records are read where they lie.
@@ -57,24 +67,40 @@ impl Lanes {
             children.push((symbol, builder.lane(&nodes)?));
         }
         let in_place = production.predecessor == 0;
-        Some(Lanes { ops: builder.ops, children, coordinates, in_place })
+        let ops = builder.ops;
+        let sums = children.iter().map(|&(_, register)| Sum::of(&ops, register)).collect();
+        Some(Lanes { ops, children, sums, coordinates, in_place })
     }
 
     /// Writes the children of all modules of a part.
     pub fn run(&self, part: &Input, out: &mut [u32]) {
+        let growth = self.children.len();
+        let lanes = BVec4A::from_array(std::array::from_fn(|lane| (1..=self.coordinates).contains(&lane)));
+        let outs = out.as_chunks_mut::<LANES>().0.chunks_mut(BLOCK * growth);
+        if let Some(sums) = &self.sums {
+            let constants = sums::constants(&self.ops, part.environment);
+            for (block, out) in outs.enumerate() {
+                for (number, (sum, &(symbol, _))) in sums.iter().zip(&self.children).enumerate() {
+                    sum.run(
+                        part,
+                        block * BLOCK,
+                        &constants,
+                        Child { number, growth, symbol: of_symbol(symbol), lanes },
+                        out,
+                    );
+                }
+            }
+            return;
+        }
         let mut registers = vec![0u32; self.ops.len() * BLOCK * LANES];
         let register = |n: usize| n * BLOCK * LANES..(n + 1) * BLOCK * LANES;
         for (n, op) in self.ops.iter().enumerate() {
             match *op {
                 Op::Uniform(at) => registers[register(n)].fill(part.environment[at]),
                 Op::Constant(word) => registers[register(n)].fill(word),
-                Op::Load(_) | Op::Call(..) => {}
+                Op::Load(_) | Op::Call { .. } => {}
             }
         }
-        let growth = self.children.len();
-        let mask =
-            std::array::from_fn(|lane| if (1..=self.coordinates).contains(&lane) { u32::MAX } else { 0 });
-        let outs = out.as_chunks_mut::<LANES>().0.chunks_mut(BLOCK * growth);
         for (block, out) in outs.enumerate() {
             let (start, count) = (block * BLOCK, out.len() / growth);
             for (n, op) in self.ops.iter().enumerate() {
@@ -88,9 +114,11 @@ impl Lanes {
                     Op::Load(_) if self.in_place => {}
                     Op::Load(offset) => load(part, start, offset, to),
                     Op::Uniform(_) | Op::Constant(_) => {}
-                    Op::Call(Cpu::One(f), [a, ..]) => f(arg(a), to),
-                    Op::Call(Cpu::Two(f), [a, b, _]) => f(arg(a), arg(b), to),
-                    Op::Call(Cpu::Three(f), [a, b, c]) => f(arg(a), arg(b), arg(c), to),
+                    Op::Call { cpu, registers: [a, b, c], .. } => match cpu {
+                        Cpu::One(f) => f(arg(a), to),
+                        Cpu::Two(f) => f(arg(a), arg(b), to),
+                        Cpu::Three(f) => f(arg(a), arg(b), arg(c), to),
+                    },
                 }
             }
             for (c, &(symbol, from)) in self.children.iter().enumerate() {
@@ -100,14 +128,15 @@ impl Lanes {
                 };
                 let points = points.as_chunks::<LANES>().0;
                 let children = out[c..].iter_mut().step_by(growth);
-                children.zip(points).for_each(|(to, point)| *to = masked(point, &mask, symbol));
+                let symbol = of_symbol(symbol);
+                children.zip(points).for_each(|(to, point)| *to = with_symbol(point, lanes, symbol));
             }
         }
     }
 }
 
 /// The records of some modules, so many places to the right.
-fn window<'a>(part: &Input<'a>, start: usize, offset: i32, count: usize) -> &'a [u32] {
+pub fn window<'a>(part: &Input<'a>, start: usize, offset: i32, count: usize) -> &'a [u32] {
     let first = (part.first as i64 + start as i64 + i64::from(offset)) as usize;
     &part.window[first * LANES..][..count * LANES]
 }
@@ -115,16 +144,22 @@ fn window<'a>(part: &Input<'a>, start: usize, offset: i32, count: usize) -> &'a 
 /// Symbols would be numbers so small that arithmetic takes long over them.
 fn load(part: &Input, start: usize, offset: i32, to: &mut [u32]) {
     let records = window(part, start, offset, to.len() / LANES).as_chunks::<LANES>().0;
+    let coordinates = BVec4A::new(false, true, true, true);
     for (to, record) in to.as_chunks_mut::<LANES>().0.iter_mut().zip(records) {
-        *to = masked(record, &[0, u32::MAX, u32::MAX, u32::MAX], 0);
+        *to = with_symbol(record, coordinates, Vec4::ZERO);
     }
 }
 
-/// Some lanes of a record, with a symbol. Plain loops, which the compiler makes one operation of.
+/// The lanes of a record that hold coordinates; the others of `symbol`.
 #[inline(always)]
-fn masked(record: &[u32; LANES], mask: &[u32; LANES], symbol: u32) -> [u32; LANES] {
-    let symbol = [symbol, 0, 0, 0];
-    std::array::from_fn(|lane| record[lane] & mask[lane] | symbol[lane])
+fn with_symbol(record: &[u32; LANES], coordinates: BVec4A, symbol: Vec4) -> [u32; LANES] {
+    let record = Vec4::from_array(record.map(f32::from_bits));
+    Vec4::select(coordinates, record, symbol).to_array().map(f32::to_bits)
+}
+
+/// A record with nothing but a symbol.
+pub fn of_symbol(symbol: u32) -> Vec4 {
+    Vec4::new(f32::from_bits(symbol), 0.0, 0.0, 0.0)
 }
 
 struct Builder<'a> {
@@ -151,7 +186,8 @@ impl Builder<'_> {
                 Op::Constant(word)
             }
             Node::Call(op, _) => {
-                let cpu = op.row().cpu?;
+                let row = op.row();
+                let cpu = row.cpu?;
                 let mut args = Vec::new();
                 for &n in nodes {
                     match self.graph.nodes[n] {
@@ -160,11 +196,11 @@ impl Builder<'_> {
                     }
                 }
                 let mut registers = [0; 3];
-                for (k, register) in registers.iter_mut().enumerate().take(op.row().args.len()) {
+                for (k, register) in registers.iter_mut().enumerate().take(row.args.len()) {
                     let nodes: Vec<NodeId> = args.iter().map(|list| list[k]).collect();
                     *register = self.lane(&nodes)?;
                 }
-                Op::Call(cpu, registers)
+                Op::Call { name: row.name, cpu, args: row.args.len(), registers }
             }
             _ => return None,
         };

@@ -19,6 +19,7 @@ pub mod program;
 pub mod retire;
 pub mod scan;
 pub mod stencil;
+mod sums;
 pub mod tessellate;
 pub mod turtle;
 pub mod turtle_linked;

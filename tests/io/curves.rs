@@ -308,18 +308,21 @@ fn a_sheet_has_a_place_for_each_word() {
     let sheet = Picture::sheet(&panels, Some(2), &Style::default()).expect("finite points");
     // A gap of 0.12 of the largest side, 4; strokes and margins in proportion to that side.
     let left: Vec<[f32; 2]> = sheet.strokes.iter().map(|stroke| stroke.points[0]).collect();
-    let step = 4.48f32;
-    let rows = [2.0 * step, 2.0 * step, step, step, 0.0];
-    let columns = [0.0, step + 1.0, 1.5, step + 0.5, 2.0];
+    // The columns are 4 and 3 wide, the rows 4, 3 and 0 high.
+    let rows = [3.96, 3.96, 0.48, 0.48, 0.0];
+    let columns = [0.0, 4.48 + 0.5, 1.5, 4.48, 2.0];
     for (n, at) in left.iter().enumerate() {
         assert!((at[0] - columns[n]).abs() < 1e-5 && (at[1] - rows[n]).abs() < 1e-5, "{n}: {at:?}");
     }
-    assert!((sheet.size[0] - 8.88).abs() < 1e-5 && (sheet.size[1] - 13.36).abs() < 1e-5, "{:?}", sheet.size);
+    assert!((sheet.size[0] - 7.88).abs() < 1e-5 && (sheet.size[1] - 8.36).abs() < 1e-5, "{:?}", sheet.size);
     assert!(sheet.strokes.iter().all(|stroke| (stroke.width - 0.02).abs() < 1e-6));
-    // Nobody has said how many columns: about 3 to 2.
-    let square = Picture::sheet(&[panels.clone(), panels.clone()].concat(), None, &Style::default());
-    let [width, height] = square.expect("finite points").size;
-    assert!(width > height && width < 2.5 * height, "{width} {height}");
+    // Nobody has said how many columns: about 3 to 2, and no place is left over.
+    for (count, columns, rows) in [(6, 3, 2), (9, 3, 3), (10, 5, 2), (13, 5, 3), (100, 10, 10)] {
+        let panels = vec![panels[0].clone(); count];
+        let [width, height] = Picture::sheet(&panels, None, &Style::default()).expect("finite points").size;
+        let side = |n: u32| 0.4 + 4.48 * f64::from(n) - 0.48;
+        assert!((width - side(columns)).abs() < 1e-5 && (height - side(rows)).abs() < 1e-5, "{count}");
+    }
 }
 
 #[test]

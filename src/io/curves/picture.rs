@@ -78,8 +78,8 @@ impl Picture {
         Picture::sheet(&[Panel { words: words.to_vec(), control: Vec::new() }], None, style)
     }
 
-    /// Panels side by side in rows, all of one scale: the words of each stand in the middle of its place, on its lower
-    /// end. A single one stays where its coordinates are.
+    /// Panels side by side in rows, all of one scale: each stands in the middle of its column, on the lower end of its
+    /// row. A single one stays where its coordinates are.
     ///
     /// # Errors
     /// As [`Picture::of`].
@@ -100,21 +100,28 @@ impl Picture {
         };
         let (mut corner, mut whole) = (boxes.first().map_or([0.0; 2], |b| b[0]), place);
         if panels.len() > 1 {
-            let step = place.map(|side| side + GAP * larger);
-            let wide = (panels.len() as f64 * SHAPE * step[1] / step[0]).sqrt().round() as usize;
-            let columns = columns.unwrap_or(wide).clamp(1, panels.len());
+            let gap = GAP * larger;
+            let columns = columns.unwrap_or_else(|| columns_for(panels.len(), place.map(|side| side + gap)));
+            let columns = columns.clamp(1, panels.len());
             let rows = panels.len().div_ceil(columns);
+            // Each row is as high as its highest panel, each column as wide as its widest; rows count from below.
+            let (mut widths, mut heights) = (vec![0.0f64; columns], vec![0.0f64; rows]);
+            let cell = |n: usize| (n % columns, rows - 1 - n / columns);
+            for (n, [width, height]) in boxes.iter().map(size).enumerate() {
+                let (column, row) = cell(n);
+                widths[column] = widths[column].max(width);
+                heights[row] = heights[row].max(height);
+            }
+            let before = |sides: &[f64]| sides.iter().map(|side| side + gap).sum::<f64>();
             for (n, (strokes, [low, high])) in drawn.iter_mut().zip(&boxes).enumerate() {
-                let [column, row] = [n % columns, rows - 1 - n / columns];
-                let left = column as f64 * step[0] + (place[0] - (high[0] - low[0])) / 2.0;
-                let by = [left - low[0], row as f64 * step[1] - low[1]];
+                let (column, row) = cell(n);
+                let left = before(&widths[..column]) + (widths[column] - (high[0] - low[0])) / 2.0;
+                let by = [left - low[0], before(&heights[..row]) - low[1]];
                 for point in strokes.iter_mut().flat_map(|stroke| &mut stroke.points) {
                     *point = [0, 1].map(|k| (f64::from(point[k]) + by[k]) as f32);
                 }
             }
-            corner = [0.0; 2];
-            whole = [columns, rows].map(|n| (n - 1) as f64);
-            whole = [0, 1].map(|k| whole[k] * step[k] + place[k]);
+            (corner, whole) = ([0.0; 2], [before(&widths) - gap, before(&heights) - gap]);
         }
         let mut strokes: Vec<Stroke> = drawn.into_iter().flatten().collect();
         let (width, margin) = (larger * style.stroke, larger * MARGIN);
@@ -135,6 +142,18 @@ impl Picture {
             strokes,
         })
     }
+}
+
+/// Columns of so many panels of a size: a sheet of about [`SHAPE`], with few places left over.
+fn columns_for(panels: usize, [width, height]: [f64; 2]) -> usize {
+    let wanted = (panels as f64 * SHAPE * height / width).sqrt();
+    let near = (0.7 * wanted).ceil() as usize..=(1.4 * wanted) as usize;
+    let left_over = |columns: &usize| (columns - panels % columns) % columns;
+    let best = near.filter(|&n| (1..=panels).contains(&n)).min_by(|a, b| {
+        let off = |n: &usize| (*n as f64 - wanted).abs();
+        left_over(a).cmp(&left_over(b)).then(off(a).total_cmp(&off(b)))
+    });
+    best.unwrap_or_else(|| (wanted.round() as usize).clamp(1, panels))
 }
 
 fn strokes_of_panel(panel: &Panel, up: Up) -> Result<Vec<Stroke>, WriteError> {
