@@ -316,8 +316,8 @@ pub struct Devices {}
 
 #[derive(Args)]
 pub struct Bench {
-    /// Which: copy, expand, flops, patch/step, patch/derive, curve/derive, curve/step, curve/stencil, word/context, scan,
-    /// compact, tessellate, language; patch and curve for all of theirs; all of these if left out; and tessellate/crowd:
+    /// Which: copy, expand, flops, patch/step, patch/derive, curve/derive, curve/step, curve/words, curve/stencil,
+    /// word/context, scan, compact, tessellate, language; patch and curve for all of theirs; all of these if left out; and tessellate/crowd:
     /// ten thousand copies of the patches before a moving camera
     #[arg(value_name = "NAME")]
     pub names: Vec<String>,

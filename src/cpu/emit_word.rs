@@ -85,7 +85,7 @@ fn emit_part(
             continue;
         }
         let Some(production) = stage.productions.get(rule) else {
-            out[at..at + words].copy_from_slice(part.record(i));
+            copy(part.record(i), &mut out[at..at + words]);
             if let Some(link) = part.layout.link {
                 out[at + link] = part.hangs[part.first + i];
             }
@@ -101,12 +101,29 @@ fn emit_part(
             let Some(successor) = cell else { continue };
             let child = &mut out[at..at + words];
             at += words;
-            child.fill(0);
-            child[0] = successor.symbol as u32;
+            only_symbol(child, successor.symbol);
             for &(register, word) in args {
                 child[word] = registers[rule].column(register)[i];
             }
         }
+    }
+}
+
+/// A record of no parameters. Those of 16 bytes, of most words of symbols and points, are one store.
+fn only_symbol(record: &mut [u32], symbol: usize) {
+    match <&mut [u32; 4]>::try_from(&mut *record) {
+        Ok(record) => *record = [symbol as u32, 0, 0, 0],
+        Err(_) => {
+            record.fill(0);
+            record[0] = symbol as u32;
+        }
+    }
+}
+
+fn copy(record: &[u32], to: &mut [u32]) {
+    match (<&[u32; 4]>::try_from(record), <&mut [u32; 4]>::try_from(&mut *to)) {
+        (Ok(record), Ok(to)) => *to = *record,
+        _ => to.copy_from_slice(record),
     }
 }
 
@@ -137,8 +154,7 @@ fn all_the_same(
         }
         for i in 0..n {
             let child = &mut out[(i * growth + c) * words..][..words];
-            child.fill(0);
-            child[0] = successor.symbol as u32;
+            only_symbol(child, successor.symbol);
             for &(register, word) in args {
                 child[word] = registers.column(register)[i];
             }

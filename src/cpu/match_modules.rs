@@ -13,9 +13,9 @@ pub fn match_modules(stage: &Stage, words: &[u32], input: &Input, rules: &mut [u
     rules
         .par_chunks_mut(BLOCK)
         .enumerate()
-        .map_init(Registers::default, |registers, (block, rules)| {
+        .map_init(Default::default, |(registers, symbols), (block, rules)| {
             let block = input.block(block);
-            match_block(stage, &block, rules, registers);
+            match_block(stage, &block, rules, registers, symbols);
             status(stage, words, &block, rules)
         })
         .reduce(Status::default, |a, b| Status {
@@ -46,42 +46,48 @@ pub fn status(stage: &Stage, words: &[u32], block: &Input, rules: &[u32]) -> Sta
 
 const UNDECIDED: u32 = u32::MAX;
 
-fn match_block(stage: &Stage, block: &Input, rules: &mut [u32], registers: &mut Registers) {
-    let symbol = |i: usize| (block.record(i)[0] & 0xffff) as usize;
+fn match_block(
+    stage: &Stage,
+    block: &Input,
+    rules: &mut [u32],
+    registers: &mut Registers,
+    symbols: &mut Vec<usize>,
+) {
+    let heads = block.records.iter().step_by(block.layout.record_words);
+    symbols.clear();
+    symbols.extend(heads.map(|head| (head & 0xffff) as usize));
+    rules.fill(UNDECIDED);
     let mut present = vec![false; stage.by_symbol.len()];
-    for (i, rule) in rules.iter_mut().enumerate() {
-        *rule = UNDECIDED;
-        present[symbol(i)] = true;
-    }
+    symbols.iter().for_each(|&symbol| present[symbol] = true);
     for (rule, code) in stage.rules.iter().zip(&stage.code.rules) {
         let predecessor = rule.predecessor;
         if !present[predecessor] {
             continue;
         }
         program::run(&code.graph, block, registers);
-        for (i, id) in rules.iter_mut().enumerate() {
-            if *id == UNDECIDED && symbol(i) == predecessor && holds(code, registers, i) {
-                let drawn = code.choice.map_or(0, |choice| registers.column(choice)[i]);
-                let idle = unchanged(code, drawn as usize, registers, block.record(i), i);
+        let registers = &*registers;
+        let guards: Vec<&[u32; BLOCK]> = code.guards.iter().map(|&guard| registers.column(guard)).collect();
+        let choice = code.choice.map(|choice| registers.column(choice));
+        for (i, (id, &symbol)) in rules.iter_mut().zip(&*symbols).enumerate() {
+            let fires = *id == UNDECIDED && symbol == predecessor && guards.iter().all(|guard| guard[i] != 0);
+            if fires {
+                let drawn = choice.map_or(0, |choice| choice[i]);
+                let idle = unchanged(code, drawn as usize, registers, block, i);
                 *id = if idle { stage.idle(predecessor) } else { rule.productions.start as u32 + drawn };
             }
         }
     }
-    for (i, rule) in rules.iter_mut().enumerate() {
+    for (rule, &symbol) in rules.iter_mut().zip(&*symbols) {
         if *rule == UNDECIDED {
-            *rule = stage.idle(symbol(i));
+            *rule = stage.idle(symbol);
         }
     }
 }
 
-fn holds(rule: &RuleCode, registers: &Registers, i: usize) -> bool {
-    rule.guards.iter().all(|&g| registers.column(g)[i] != 0)
-}
-
 /// Whether alternative `n` leaves the module as it is.
-fn unchanged(rule: &RuleCode, n: usize, registers: &Registers, record: &[u32], i: usize) -> bool {
+fn unchanged(rule: &RuleCode, n: usize, registers: &Registers, block: &Input, i: usize) -> bool {
     match &rule.unchanged[n] {
         None => false,
-        Some(args) => args.iter().all(|&(node, at)| registers.column(node)[i] == record[at]),
+        Some(args) => args.iter().all(|&(node, at)| registers.column(node)[i] == block.record(i)[at]),
     }
 }

@@ -69,8 +69,7 @@ impl Adapter {
                 cases.push(frontier_case(plan, backend(&engine, plan)?, frontier, ("gpu", 0), of_gpu)?);
             }
         }
-        let curves = (&plans.chaikin, &plans.symbols);
-        super::words::cases(curves, |plan| backend(&engine, plan), wanted, ("gpu", 0), of_gpu, cases)?;
+        super::words::cases(plans, |plan| backend(&engine, plan), wanted, ("gpu", 0), of_gpu, cases)?;
         if wanted("curve/stencil") {
             stencils(&engine, &plans.smoothed, cases)?;
         }

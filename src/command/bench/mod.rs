@@ -25,7 +25,7 @@ use std::time::{Duration, Instant};
 use systems::{Plans, roots};
 
 /// The names a call may give.
-const NAMES: [&str; 14] = [
+const NAMES: [&str; 15] = [
     "copy",
     "expand",
     "flops",
@@ -33,6 +33,7 @@ const NAMES: [&str; 14] = [
     "patch/derive",
     "curve/derive",
     "curve/step",
+    "curve/words",
     "word/context",
     "curve/stencil",
     "scan",
@@ -115,7 +116,7 @@ pub fn bench(flags: &flags::Bench) -> Result<(), Failure> {
     if wanted("patch/derive") {
         derive_cases(&plans, &roots, flags.levels, &mut cases)?;
     }
-    words::cpu_cases((&plans.chaikin, &plans.symbols), &wanted, &mut cases)?;
+    words::cpu_cases(&plans, &wanted, &mut cases)?;
     if wanted("curve/stencil") {
         curves::cpu_cases(&plans, &mut cases)?;
     }

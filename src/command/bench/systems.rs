@@ -1,10 +1,11 @@
 //! What is measured: systems, and the nets they start from.
 
 use super::{Failure, words};
+use burgeon::language::System;
 use burgeon::language::check::compile;
 use burgeon::language::vocabulary::Vocabulary;
 use burgeon::patch::{self, Axiom, Net, Root};
-use burgeon::plan::Plan;
+use burgeon::plan::{Plan, Unsupported};
 use std::path::Path;
 
 /// The systems that are measured.
@@ -23,6 +24,9 @@ pub(super) struct Plans {
     /// Of which tables of stencils are made.
     pub(super) smoothed: Plan,
     pub(super) symbols: Plan,
+    /// `chaikin` with a param, for many words at once and for one.
+    pub(super) words: Plan,
+    pub(super) word: Plan,
 }
 
 pub(super) const PLAIN: &str = "system plain : patch bezier 3\nmodule P\naxiom: P = file \"roots.bpt\"\nrules:\n  \
@@ -56,15 +60,21 @@ impl Plans {
             chaikin: plan(words::CHAIKIN)?,
             smoothed: plan(super::curves::CHAIKIN)?,
             symbols: plan(words::SYMBOLS)?,
+            words: of(words::CORNERS, Plan::of_words)?,
+            word: plan(words::CORNERS)?,
         })
     }
 }
 
 pub(super) fn plan(text: &str) -> Result<Plan, Failure> {
+    of(text, Plan::new)
+}
+
+fn of(text: &str, plan: fn(&System) -> Result<Plan, Unsupported>) -> Result<Plan, Failure> {
     let checked = compile(text, &Vocabulary::default());
     let system = checked.systems.first();
     let system = system.ok_or_else(|| Failure::File("a bench's own system does not check".to_string()))?;
-    Plan::new(system).map_err(|e| Failure::File(format!("error: {e}")))
+    plan(system).map_err(|e| Failure::File(format!("error: {e}")))
 }
 
 /// 32 patches of a file, or as many made ones.

@@ -1,18 +1,28 @@
 //! Cases of curves' words, on any backend: Chaikin's ring, and symbols in their contexts.
 
+use super::systems::Plans;
 use super::{Case, Failure, threads};
 use crate::command::run::of_plan;
 use burgeon::cpu::Cpu;
-use burgeon::curve::Axiom;
+use burgeon::curve::{Axiom, Words};
+use burgeon::language::Value;
 use burgeon::language::system::{Kind, Topology};
 use burgeon::plan::derive::{self, Backend, Outcome, StageId};
 use burgeon::plan::step::Clock;
 use burgeon::plan::{Options, Plan};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Records of 16 bytes: a symbol and three coordinates.
 pub(super) const CHAIKIN: &str = "system chaikin : curve ring\nmodule P(v: vec3)\naxiom: file \"points.csv\"\nrules:\n  \
      P(vl) < P(v) > P(vr) -> P(1/4*vl + 3/4*v) P(3/4*v + 1/4*vr)\nrun:\n  derive 24\n";
+
+/// How far corners are cut is a param.
+pub(super) const CORNERS: &str = "system corners : curve ring\nparam w: float = 1/4\nmodule P(v: vec3)\naxiom: file \"points.csv\"\nrules:\n  \
+     P(vl) < P(v) > P(vr) -> P(w*vl + (1 - w)*v) P((1 - w)*v + w*vr)\nrun:\n  derive 2\n";
+
+/// Words that are derived at once, and points of each.
+const WORDS: usize = 10_000;
+const WORD_LENGTH: usize = 100;
 
 /// benches/passes.rs measures the same beside another program.
 pub(super) const SYMBOLS: &str = include_str!("symbols.burgeon");
@@ -66,6 +76,67 @@ fn derive_case<'a, B: Backend + 'a>(
     })
 }
 
+/// A sweep: as many words as values of the param, two steps of each.
+fn starts(plan: &Plan) -> Result<Words, Failure> {
+    let value = |n: usize| Value::Float(n as f32 / (2 * WORDS) as f32);
+    Ok(Words::sweep(&axiom(plan, WORD_LENGTH)?, "w", (0..WORDS).map(value), 0))
+}
+
+fn words_case<'a>(
+    how: &str,
+    label: (&'static str, usize),
+    record_bytes: u64,
+    run: Box<dyn FnMut() -> Result<Duration, Failure> + 'a>,
+) -> Case<'a> {
+    let points = (WORDS * WORD_LENGTH) as u64;
+    Case {
+        name: "curve/words",
+        case: format!("{WORDS} rings of {WORD_LENGTH} points, each of a param, {how}"),
+        backend: label.0,
+        threads: label.1,
+        // Read and written in the two steps.
+        bytes: (3 + 6) * points * record_bytes,
+        items: 4 * points,
+        run,
+        times: vec![],
+    }
+}
+
+/// All words in one derivation.
+fn at_once<'a, B: Backend + 'a>(
+    plan: &'a Plan,
+    mut backend: B,
+    label: (&'static str, usize),
+    fail: impl Fn(B::Error) -> Failure + Copy + 'a,
+) -> Result<Case<'a>, Failure> {
+    let starts = starts(plan)?;
+    let run = move || {
+        let start = Instant::now();
+        let derived = derive::derive(plan, &starts, &[], &Options::default(), &mut backend).map_err(fail)?;
+        backend.finish().map_err(fail)?;
+        let time = start.elapsed();
+        derived.chunks.into_iter().for_each(|c| backend.recycle(c));
+        Ok(time)
+    };
+    Ok(words_case("at once", label, plan.tables.layout.record_bytes(), Box::new(run)))
+}
+
+/// One derivation after the other, on the CPU.
+fn one_by_one(plan: &Plan) -> Result<Case<'_>, Failure> {
+    let starts = starts(plan)?;
+    let run = move || {
+        let start = Instant::now();
+        for word in &starts.words {
+            let uniforms = plan.uniforms(&word.set).map_err(of_plan)?;
+            // A pool of threads for each word would take longer than the word.
+            let mut cpu = Cpu::new(plan, &uniforms, 1).map_err(of_plan)?;
+            derive::derive(plan, &word.axiom, &uniforms, &Options::default(), &mut cpu).map_err(of_plan)?;
+        }
+        Ok(start.elapsed())
+    };
+    Ok(words_case("one by one", ("cpu", 1), plan.tables.layout.record_bytes(), Box::new(run)))
+}
+
 /// One step of these chunks, again and again.
 fn step_case<'a, B: Backend + 'a>(
     plan: &'a Plan,
@@ -117,13 +188,17 @@ fn step_case<'a, B: Backend + 'a>(
 
 /// All cases of a backend, each with one of its own.
 pub(super) fn cases<'a, B: Backend + 'a>(
-    (chaikin, symbols): (&'a Plan, &'a Plan),
+    plans: &'a Plans,
     backend: impl Fn(&'a Plan) -> Result<B, Failure>,
     wanted: &dyn Fn(&str) -> bool,
     (name, threads): (&'static str, usize),
     fail: impl Fn(B::Error) -> Failure + Copy + 'a,
     cases: &mut Vec<Case<'a>>,
 ) -> Result<(), Failure> {
+    let Plans { chaikin, symbols, words, .. } = plans;
+    if wanted("curve/words") {
+        cases.push(at_once(words, backend(words)?, (name, threads), fail)?);
+    }
     if wanted("curve/derive") {
         cases.push(derive_case(chaikin, backend(chaikin)?, (name, threads), fail)?);
     }
@@ -156,10 +231,13 @@ pub(super) fn cases<'a, B: Backend + 'a>(
 
 /// Those of the CPU.
 pub(super) fn cpu_cases<'a>(
-    plans: (&'a Plan, &'a Plan),
+    plans: &'a Plans,
     wanted: &dyn Fn(&str) -> bool,
     list: &mut Vec<Case<'a>>,
 ) -> Result<(), Failure> {
     let backend = |plan: &'a Plan| Cpu::new(plan, &[], threads()).map_err(of_plan);
+    if wanted("curve/words") {
+        list.push(one_by_one(&plans.word)?);
+    }
     cases(plans, backend, wanted, ("cpu", threads()), of_plan, list)
 }
