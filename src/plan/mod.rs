@@ -4,6 +4,7 @@
 
 pub mod bound;
 pub mod code;
+pub mod collect;
 pub mod compare;
 pub mod context;
 pub mod derive;
@@ -17,6 +18,7 @@ pub mod measure;
 pub mod placement;
 pub mod schedule;
 pub mod size;
+pub mod start;
 pub mod step;
 pub mod supported;
 pub mod tables;
@@ -24,9 +26,8 @@ pub mod turns;
 pub mod turtle;
 
 use crate::language::expr::Value;
-use crate::language::system::{Kind, System, Topology, UniformKind};
+use crate::language::system::{Kind, System, UniformKind};
 use crate::language::{Type, eval};
-use crate::{curve, patch};
 use std::sync::Arc;
 
 pub use derive::{Backend, Derivation, Options, Progress};
@@ -107,7 +108,8 @@ impl Plan {
     /// The same for several independent words of a curve system at once ([`curve::Words`]).
     ///
     /// # Errors
-    /// Also where the system is none of curves.
+    /// Also where the system is none of curves, or has `until terminal` beside random numbers or `step`: alone, each word
+    /// would end after steps of its own.
     pub fn of_words(system: &System) -> Result<Plan, Unsupported> {
         if !matches!(system.kind, Kind::Curve(_)) {
             return Err(Unsupported::new(
@@ -158,106 +160,6 @@ impl Plan {
         words.extend(stage.rule_words());
         words.resize(words.len().next_multiple_of(4), 0);
         words
-    }
-
-    /// The word of the axiom as records and nets: each root a module.
-    ///
-    /// # Errors
-    /// [`Error::Axiom`] for a net of another degree, or one that does not hold together
-    /// ([`patch::Net::validate`]); [`Error::Value`] for an argument without a value.
-    pub fn axiom(&self, axiom: &patch::Axiom, uniforms: &[Value]) -> Result<derive::Modules, Error> {
-        let layout = &self.tables.layout;
-        if layout.is_curve() {
-            let message = format!("{} is a curve system, and begins with points, not nets", self.system.name);
-            return Err(Error::Axiom(message));
-        }
-        let mut records = Vec::with_capacity(axiom.roots.len() * layout.record_words);
-        let mut nets = Vec::with_capacity(axiom.roots.len() * layout.net_points());
-        for (root, start) in axiom.roots.iter().enumerate() {
-            if start.net.degree != layout.degree {
-                let ([u, v], [m, n]) = (start.net.degree, layout.degree);
-                return Err(Error::Axiom(format!(
-                    "patch {root} of the axiom has degree {u}×{v}; {} rewrites nets of degree {m}×{n}",
-                    self.system.name
-                )));
-            }
-            start
-                .net
-                .validate(self.rational())
-                .map_err(|e| Error::Axiom(format!("patch {root} of the axiom: {e}")))?;
-            let mut record = vec![0u32; layout.record_words];
-            layout::Header { symbol: start.symbol as u16, root: root as u32, ..Default::default() }
-                .write(&mut record);
-            let symbol = &self.tables.symbols[start.symbol];
-            for (arg, &at) in start.args.iter().zip(&symbol.words) {
-                let value = eval::eval(arg, uniforms)
-                    .map_err(|e| Error::Value(format!("axiom, argument of {}: {e}", symbol.name)))?;
-                for (n, word) in value.words().into_iter().enumerate() {
-                    record[at + n] = word;
-                }
-            }
-            records.extend(record);
-            nets.extend(&start.net.points);
-        }
-        Ok((records, nets))
-    }
-}
-
-impl Plan {
-    /// The word of a curve's axiom as records.
-    ///
-    /// # Errors
-    /// [`Error::Value`] for an argument without a value, or a float that is not finite; [`Error::Axiom`] for a part
-    /// without a module.
-    pub fn curve_axiom(&self, axiom: &curve::Axiom, uniforms: &[Value]) -> Result<Vec<u32>, Error> {
-        let layout = &self.tables.layout;
-        if !layout.is_curve() {
-            let message = format!("{} is a patch system, and begins with nets, not points", self.system.name);
-            return Err(Error::Axiom(message));
-        }
-        if axiom.is_empty() {
-            return Err(Error::Axiom(format!("the axiom of {} has no module", self.system.name)));
-        }
-        let mut records = Vec::with_capacity(axiom.len() * layout.record_words);
-        // What the next part hangs on.
-        let mut axis = layout::NONE;
-        for part in &axiom.parts {
-            let n = part.modules.len();
-            let first = (records.len() / layout.record_words) as u32;
-            let shift = match &part.shift {
-                None => 0,
-                Some(e) => match eval::eval(e, uniforms).map_err(|e| Error::Value(format!("shift: {e}")))? {
-                    Value::Int(by) if n > 0 => (by as i64).rem_euclid(n as i64) as usize,
-                    _ => 0,
-                },
-            };
-            for (at, root) in part.modules.iter().cycle().skip(shift).take(n).enumerate() {
-                let mut record = vec![0u32; layout.record_words];
-                record[0] = root.symbol as u32;
-                if layout.has_paths() {
-                    record[2] = (records.len() / layout.record_words) as u32;
-                }
-                if let Some(word) = layout.link {
-                    // Only rings are shifted: each of their modules hangs on the one before.
-                    let on = if shift > 0 { at.checked_sub(1) } else { root.hang.on };
-                    let lateral = if root.hang.lateral { layout::LATERAL } else { 0 };
-                    record[word] = on.map_or(axis, |on| first + on as u32) | lateral;
-                }
-                let symbol = &self.tables.symbols[root.symbol];
-                for (arg, &at) in root.args.iter().zip(&symbol.words) {
-                    let value = eval::eval(arg, uniforms)
-                        .map_err(|e| Error::Value(format!("axiom, argument of {}: {e}", symbol.name)))?;
-                    let words = value.words();
-                    record[at..at + words.len()].copy_from_slice(&words);
-                }
-                records.extend(record);
-            }
-            axis = part.exit.map_or(axis, |exit| first + exit as u32);
-        }
-        if let (Some(word), Kind::Curve(Topology::Ring)) = (layout.link, self.system.kind) {
-            records[word] = axis;
-        }
-        Ok(records)
     }
 }
 

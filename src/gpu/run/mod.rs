@@ -40,7 +40,8 @@ use super::{Engine, Error};
 use crate::codegen;
 use crate::language::expr::Value;
 use crate::patch::{self, Values};
-use crate::plan::derive::{self, StageId};
+use crate::plan::collect;
+use crate::plan::derive::StageId;
 use crate::plan::given::Given;
 use crate::plan::step::{Clock, Extent};
 use crate::plan::tables::rule_word;
@@ -381,7 +382,7 @@ impl Run {
         let n = u64::from(progress.modules.min(self.room.modules));
         let records = reading::read(engine, doing, self.records(), n * layout.record_bytes())?;
         let nets = reading::read(engine, doing, self.nets(), n * layout.net_bytes())?;
-        Ok((progress, derive::word(&self.plan, &layout, progress.steps, &records, nets)))
+        Ok((progress, collect::word(&self.plan, &layout, progress.steps, &records, nets)))
     }
 
     fn write_given(&self) {

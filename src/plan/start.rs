@@ -1,0 +1,175 @@
+//! What a derivation starts from: axioms as records and nets.
+
+use super::derive::Modules;
+use super::layout::{self, Layout, NONE};
+use super::{Error, Plan};
+use crate::language::eval;
+use crate::language::expr::Value;
+use crate::language::system::{Kind, Topology};
+use crate::{curve, patch};
+
+/// What a derivation starts from.
+pub trait Start {
+    /// Its modules as records and nets.
+    ///
+    /// # Errors
+    /// Where they do not fit the plan, or an argument has no value.
+    fn modules(&self, plan: &Plan, uniforms: &[Value]) -> Result<Modules, Error>;
+    /// Roots, each of which may be bound a value of its own.
+    fn roots(&self) -> usize;
+    /// Of several words at once the uniforms of each; else none.
+    ///
+    /// # Errors
+    /// As [`Plan::uniforms`].
+    fn each(&self, _: &Plan) -> Result<Vec<(Vec<Value>, u32)>, Error> {
+        Ok(Vec::new())
+    }
+}
+
+impl Start for patch::Axiom {
+    fn modules(&self, plan: &Plan, uniforms: &[Value]) -> Result<Modules, Error> {
+        plan.axiom(self, uniforms)
+    }
+    fn roots(&self) -> usize {
+        self.roots.len()
+    }
+}
+
+impl Start for curve::Words {
+    fn modules(&self, plan: &Plan, _: &[Value]) -> Result<Modules, Error> {
+        let Layout { link: Some(link), word: Some(word), record_words, .. } = plan.tables.layout else {
+            return Err(Error::Axiom("several words need a plan of words: Plan::of_words".to_string()));
+        };
+        let mut records: Vec<u32> = Vec::new();
+        for (n, (start, (uniforms, _))) in self.words.iter().zip(self.each(plan)?).enumerate() {
+            let first = (records.len() / record_words) as u32;
+            let at = records.len();
+            records.extend(plan.curve_axiom(&start.axiom, &uniforms)?);
+            for record in records[at..].chunks_exact_mut(record_words) {
+                record[word] = n as u32;
+                if record[link] & NONE != NONE {
+                    record[link] += first;
+                }
+            }
+        }
+        Ok((records, Vec::new()))
+    }
+    fn roots(&self) -> usize {
+        self.words.iter().map(|start| start.axiom.len()).sum()
+    }
+    fn each(&self, plan: &Plan) -> Result<Vec<(Vec<Value>, u32)>, Error> {
+        self.words.iter().map(|start| Ok((plan.uniforms(&start.set)?, start.seed))).collect()
+    }
+}
+
+impl Start for curve::Axiom {
+    fn modules(&self, plan: &Plan, uniforms: &[Value]) -> Result<Modules, Error> {
+        if plan.tables.layout.word.is_some() {
+            return Err(Error::Axiom("a plan of words takes several of them: curve::Words".to_string()));
+        }
+        Ok((plan.curve_axiom(self, uniforms)?, Vec::new()))
+    }
+    fn roots(&self) -> usize {
+        self.len()
+    }
+}
+
+impl Plan {
+    /// The word of the axiom as records and nets: each root a module.
+    ///
+    /// # Errors
+    /// [`Error::Axiom`] for a net of another degree, or one that does not hold together
+    /// ([`patch::Net::validate`]); [`Error::Value`] for an argument without a value.
+    pub fn axiom(&self, axiom: &patch::Axiom, uniforms: &[Value]) -> Result<Modules, Error> {
+        let layout = &self.tables.layout;
+        if layout.is_curve() {
+            let message = format!("{} is a curve system, and begins with points, not nets", self.system.name);
+            return Err(Error::Axiom(message));
+        }
+        let mut records = Vec::with_capacity(axiom.roots.len() * layout.record_words);
+        let mut nets = Vec::with_capacity(axiom.roots.len() * layout.net_points());
+        for (root, start) in axiom.roots.iter().enumerate() {
+            if start.net.degree != layout.degree {
+                let ([u, v], [m, n]) = (start.net.degree, layout.degree);
+                return Err(Error::Axiom(format!(
+                    "patch {root} of the axiom has degree {u}×{v}; {} rewrites nets of degree {m}×{n}",
+                    self.system.name
+                )));
+            }
+            start
+                .net
+                .validate(self.rational())
+                .map_err(|e| Error::Axiom(format!("patch {root} of the axiom: {e}")))?;
+            let mut record = vec![0u32; layout.record_words];
+            layout::Header { symbol: start.symbol as u16, root: root as u32, ..Default::default() }
+                .write(&mut record);
+            let symbol = &self.tables.symbols[start.symbol];
+            for (arg, &at) in start.args.iter().zip(&symbol.words) {
+                let value = eval::eval(arg, uniforms)
+                    .map_err(|e| Error::Value(format!("axiom, argument of {}: {e}", symbol.name)))?;
+                for (n, word) in value.words().into_iter().enumerate() {
+                    record[at + n] = word;
+                }
+            }
+            records.extend(record);
+            nets.extend(&start.net.points);
+        }
+        Ok((records, nets))
+    }
+
+    /// The word of a curve's axiom as records.
+    ///
+    /// # Errors
+    /// [`Error::Value`] for an argument without a value, or a float that is not finite; [`Error::Axiom`] for a part
+    /// without a module.
+    pub fn curve_axiom(&self, axiom: &curve::Axiom, uniforms: &[Value]) -> Result<Vec<u32>, Error> {
+        let layout = &self.tables.layout;
+        if !layout.is_curve() {
+            let message = format!("{} is a patch system, and begins with nets, not points", self.system.name);
+            return Err(Error::Axiom(message));
+        }
+        if axiom.is_empty() {
+            return Err(Error::Axiom(format!("the axiom of {} has no module", self.system.name)));
+        }
+        let mut records = Vec::with_capacity(axiom.len() * layout.record_words);
+        // What the next part hangs on.
+        let mut axis = layout::NONE;
+        for part in &axiom.parts {
+            let n = part.modules.len();
+            let first = (records.len() / layout.record_words) as u32;
+            let shift = match &part.shift {
+                None => 0,
+                Some(e) => match eval::eval(e, uniforms).map_err(|e| Error::Value(format!("shift: {e}")))? {
+                    Value::Int(by) if n > 0 => (by as i64).rem_euclid(n as i64) as usize,
+                    _ => 0,
+                },
+            };
+            for (at, root) in part.modules.iter().cycle().skip(shift).take(n).enumerate() {
+                let mut record = vec![0u32; layout.record_words];
+                record[0] = root.symbol as u32;
+                if layout.has_paths() {
+                    record[2] = (records.len() / layout.record_words) as u32;
+                }
+                if let Some(word) = layout.link {
+                    // Only rings are shifted: each of their modules hangs on the one before.
+                    let on = if shift > 0 { at.checked_sub(1) } else { root.hang.on };
+                    let lateral = if root.hang.lateral { layout::LATERAL } else { 0 };
+                    record[word] = on.map_or(axis, |on| first + on as u32) | lateral;
+                }
+                let symbol = &self.tables.symbols[root.symbol];
+                for (arg, &at) in root.args.iter().zip(&symbol.words) {
+                    let value = eval::eval(arg, uniforms)
+                        .map_err(|e| Error::Value(format!("axiom, argument of {}: {e}", symbol.name)))?;
+                    let words = value.words();
+                    record[at..at + words.len()].copy_from_slice(&words);
+                }
+                records.extend(record);
+            }
+            axis = part.exit.map_or(axis, |exit| first + exit as u32);
+        }
+        if let (Some(word), Kind::Curve(Topology::Ring)) = (layout.link, self.system.kind) {
+            records[word] = axis;
+        }
+        Ok(records)
+    }
+}
