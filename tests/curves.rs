@@ -5,7 +5,7 @@ mod examples;
 mod words;
 
 #[cfg(feature = "gpu")]
-use crate::device;
+use crate::{device, mutants};
 use burgeon::cpu::{self, Cpu};
 use burgeon::curve::{Axiom, Word};
 use burgeon::language::{System, Value};
@@ -233,7 +233,7 @@ fn what_is_claimed_is_claimed_alike() {
 }
 
 #[cfg(feature = "gpu")]
-const MUTANTS: &[(&str, &str, &str)] = &[
+const MUTANTS: &[mutants::Mutant] = &[
     ("emit_word", "if i >= extent.count", "if i + 1u >= extent.count"),
     ("emit_word", "var first = i * CLOSED", "var first = i"),
     ("emit_word", "if i * EACH >= extent.count", "if (i + 1u) * EACH >= extent.count"),
@@ -268,7 +268,8 @@ const MUTANTS: &[(&str, &str, &str)] = &[
     ("claim", "return state - 1u", "return state"),
     ("claim", ">> 16u) & 7u", ">> 17u) & 7u"),
     ("claim", "let entered = status.claimed", "let entered = 0u"),
-    ("claim", "composed(before, partial[local])", "composed(partial[local], before)"),
+    ("compositions", "composed(before, partial[local])", "composed(partial[local], before)"),
+    ("compositions", "return partial[local - 1u];", "return partial[local];"),
     ("claim", "state = after(here, state)", "state = 0u"),
     ("claim", "rules[i] = KEEP + 1u", "rules[i] = KEEP"),
     ("claim", "status.claimed = after(inclusive, entered)", "status.claimed = 0u"),
@@ -279,18 +280,7 @@ const MUTANTS: &[(&str, &str, &str)] = &[
 fn every_mutant_of_the_kernels_of_curves_is_seen() {
     let Some(headless) = device::headless() else { return };
     let engine = burgeon::gpu::Engine::new(&headless.device, &headless.queue);
-    let mut wrong = Vec::new();
-    for &(file, find, replace) in MUTANTS {
-        let read = |folder: &str| std::fs::read_to_string(format!("wgsl/{folder}{file}.wgsl"));
-        let text = read("").or_else(|_| read("shared/")).expect(file);
-        let mutant = engine.clone().with_edit(burgeon::codegen::Edit { file, find, replace });
-        if !text.contains(find) {
-            wrong.push(format!("{file} has no `{find}` any more"));
-        } else if difference(&mutant).is_none() {
-            wrong.push(format!("{file}: `{find}` → `{replace}` is not seen"));
-        }
-    }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    mutants::assert_seen(MUTANTS.iter().filter_map(|&mutant| mutants::unseen(&engine, mutant, difference)));
 }
 
 /// How many mutants of a file are here.

@@ -19,6 +19,8 @@ mod io;
 #[cfg(feature = "gpu")]
 mod limits;
 #[cfg(feature = "gpu")]
+mod mutants;
+#[cfg(feature = "gpu")]
 mod mutation;
 mod oracle;
 mod papers;

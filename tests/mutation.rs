@@ -5,14 +5,13 @@
 //! as well, so the table follows the kernels. Mutants that change no result are not listed: another
 //! order of independent writes, a bounds check that the buffer's own end repeats.
 
-use crate::{degrees, device};
-use burgeon::codegen::{Edit, GENERATED, Mapping, Tuning};
+use crate::{degrees, device, mutants};
+use burgeon::codegen::{GENERATED, Mapping, Tuning};
 use burgeon::conformance::systems::{WIDE, WRITTEN};
 use burgeon::conformance::{Compared, Trouble, scans};
 use burgeon::gpu::{self, Engine};
 use burgeon::plan::compare::{Pair, PairError};
 use burgeon::plan::derive::{collect, derive};
-use std::path::Path;
 
 /// How a mutant is looked for: systems and scans of the conformance suite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -250,8 +249,8 @@ const SCANS: &[Mutant] = &[
     ),
     ("prefix", "if local >= distance", "if local > distance", Scans),
     ("prefix", "distance << 1u", "distance << 2u", Scans),
-    ("prefix", "(count + TILE - 1u) / TILE", "count / TILE", Scans),
-    ("prefix", "group.x + group.y * groups.x", "group.x", WideScans),
+    ("tiles", "(count + TILE - 1u) / TILE", "count / TILE", Scans),
+    ("tiles", "group.x + group.y * groups.x", "group.x", WideScans),
     ("spine", "inclusive - sum", "inclusive", Scans),
     ("spine", "sums[t] = running;\n    running += here;", "running += here;\n    sums[t] = running;", Scans),
     ("spine", "(tiles + WORKGROUP - 1u) / WORKGROUP", "tiles / WORKGROUP", Scans),
@@ -318,33 +317,14 @@ impl Check {
     }
 }
 
-fn path_of(file: &str) -> String {
-    let inner = format!("wgsl/shared/{file}.wgsl");
-    if Path::new(&inner).exists() { inner } else { format!("wgsl/{file}.wgsl") }
-}
-
-/// The text must be there, once, so that the row says what it breaks.
-fn stale(&(file, find, replace, _): &Mutant) -> Option<String> {
-    if file == GENERATED {
-        return None;
-    }
-    let path = path_of(file);
-    let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path}: {e}"));
-    match text.matches(find).count() {
-        0 => Some(format!("{path} has no `{find}` any more (to be `{replace}`)")),
-        _ => None,
-    }
-}
-
 /// Runs all mutants and names those that live. What the mappings of emit share is checked with the
 /// one that the driver compiles in a tenth of the time.
 #[track_caller]
-fn kill(mutants: &[Mutant], mapping: Mapping) {
+fn kill(list: &[Mutant], mapping: Mapping) {
     let Some(headless) = device::headless() else { return };
     let engine = |check: Check| Engine::with_tuning(&headless.device, &headless.queue, check.tuning(mapping));
-    let mut wrong: Vec<String> = mutants.iter().filter_map(stale).collect();
     let mut checks: Vec<Check> = Vec::new();
-    for &(.., check) in mutants {
+    for &(.., check) in list {
         if !checks.contains(&check) {
             checks.push(check);
         }
@@ -355,15 +335,12 @@ fn kill(mutants: &[Mutant], mapping: Mapping) {
             panic!("{check:?} without a mutant: {e}");
         }
     }
-    for &(file, find, replace, check) in mutants {
-        let start = std::time::Instant::now();
-        let mutant = engine(check).with_edit(Edit { file, find, replace });
-        match check.run(&mutant) {
-            Ok(()) => wrong.push(format!("{file}: `{find}` → `{replace}` is not seen by {check:?}")),
-            Err(e) => println!("{:>5} ms  {file}: `{find}` → `{replace}`: {e}", start.elapsed().as_millis()),
-        }
-    }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    let unseen = |&(file, find, replace, check): &Mutant| {
+        let difference = |engine: &Engine| check.run(engine).err();
+        let unseen = mutants::unseen(&engine(check), (file, find, replace), difference)?;
+        Some(format!("{unseen} by {check:?}"))
+    };
+    mutants::assert_seen(list.iter().filter_map(unseen));
 }
 
 #[test]

@@ -14,7 +14,7 @@ use burgeon::plan::{Plan, Unsupported};
 use std::fmt::Debug;
 
 #[cfg(feature = "gpu")]
-use crate::device;
+use crate::{device, mutants};
 #[cfg(feature = "gpu")]
 use burgeon::gpu::{Engine, Gpu};
 
@@ -309,15 +309,16 @@ fn devices_trace_as_the_cpu_pass_by_pass() {
 }
 
 #[cfg(feature = "gpu")]
-const MUTANTS: &[(&str, &str, &str)] = &[
+const MUTANTS: &[mutants::Mutant] = &[
     (
         "turtle",
         "motion = then_module(motion, read_record(i))",
         "motion = then_module(motion, read_record(start))",
     ),
-    ("turtle", "composed(before, partial[local])", "composed(partial[local], before)"),
-    ("turtle", "distance = distance << 1u", "distance = distance << 2u"),
-    ("turtle", "return partial[local - 1u];", "return partial[local];"),
+    ("compositions", "composed(before, partial[local])", "composed(partial[local], before)"),
+    ("compositions", "distance = distance << 1u", "distance = distance << 2u"),
+    ("compositions", "return partial[local - 1u];", "return partial[local];"),
+    ("turtle", "return still();", "return carried[0];"),
     ("turtle", "motion = composed(motion, motions[t])", "motion = motions[t]"),
     ("turtle", "let entered = carried[0]", "let entered = still()"),
     ("turtle", "state = composed(state, here)", "state = here"),
@@ -355,18 +356,7 @@ const MUTANTS: &[(&str, &str, &str)] = &[
 fn every_mutant_of_the_turtle_is_seen() {
     let Some(headless) = device::headless() else { return };
     let engine = Engine::new(&headless.device, &headless.queue);
-    let mut wrong = Vec::new();
-    for &(file, find, replace) in MUTANTS {
-        let folder = if file == "motion" { "wgsl/shared" } else { "wgsl" };
-        let text = std::fs::read_to_string(format!("{folder}/{file}.wgsl")).expect(file);
-        let mutant = engine.clone().with_edit(burgeon::codegen::Edit { file, find, replace });
-        if !text.contains(find) {
-            wrong.push(format!("{file} has no `{find}` any more"));
-        } else if difference(&mutant).is_none() {
-            wrong.push(format!("{file}: `{find}` → `{replace}` is not seen"));
-        }
-    }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    mutants::assert_seen(MUTANTS.iter().filter_map(|&mutant| mutants::unseen(&engine, mutant, difference)));
 }
 
 /// A plan whose modules have links, and are traced.

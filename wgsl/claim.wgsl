@@ -7,6 +7,7 @@
 
 import extent;
 import rules;
+import compositions;
 
 @group(0) @binding(0) var<uniform> extent: Extent;
 @group(0) @binding(1) var<uniform> environment: array<vec4u, ENVIRONMENT_QUADS>;
@@ -15,10 +16,14 @@ import rules;
 @group(0) @binding(4) var<storage, read_write> status: Status;
 
 const STATES = 8u;
-// Every state itself.
-const IDENTITY = 0xfac688u;
 
-var<workgroup> partial: array<u32, WORKGROUP>;
+// A function of states.
+alias Element = u32;
+
+// Every state itself.
+fn identity() -> u32 {
+  return 0xfac688u;
+}
 
 fn after(f: u32, state: u32) -> u32 {
   return (f >> (3u * state)) & 7u;
@@ -42,7 +47,7 @@ fn next_state(state: u32, rule: u32) -> u32 {
 
 // What an invocation's modules do to a state.
 fn function_of(start: u32, end: u32) -> u32 {
-  var f = IDENTITY;
+  var f = identity();
   for (var i = start; i < end; i++) {
     let rule = rules[i];
     var next = 0u;
@@ -52,30 +57,6 @@ fn function_of(start: u32, end: u32) -> u32 {
     f = next;
   }
   return f;
-}
-
-// Inclusive composition over the workgroup, in order.
-fn workgroup_composed(local: u32, f: u32) -> u32 {
-  partial[local] = f;
-  workgroupBarrier();
-  for (var distance = 1u; distance < WORKGROUP; distance = distance << 1u) {
-    var before = IDENTITY;
-    if local >= distance {
-      before = partial[local - distance];
-    }
-    workgroupBarrier();
-    partial[local] = composed(before, partial[local]);
-    workgroupBarrier();
-  }
-  return partial[local];
-}
-
-fn tile_count(count: u32) -> u32 {
-  return (count + TILE - 1u) / TILE;
-}
-
-fn tile_of(group: vec3u, groups: vec3u) -> u32 {
-  return group.x + group.y * groups.x;
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -99,15 +80,12 @@ fn spine(@builtin(local_invocation_index) local: u32) {
   let each = (tiles + WORKGROUP - 1u) / WORKGROUP;
   let start = min(local * each, tiles);
   let end = min(start + each, tiles);
-  var f = IDENTITY;
+  var f = identity();
   for (var t = start; t < end; t++) {
     f = composed(f, sums[t]);
   }
   let inclusive = workgroup_composed(local, f);
-  var before = IDENTITY;
-  if local > 0u {
-    before = partial[local - 1u];
-  }
+  let before = before_of(local);
   let entered = status.claimed;
   var state = after(before, entered);
   for (var t = start; t < end; t++) {
@@ -132,10 +110,7 @@ fn claim(
   let start = min(tile * TILE + local * ITEMS, extent.count);
   let end = min(start + ITEMS, extent.count);
   let inclusive = workgroup_composed(local, function_of(start, end));
-  var before = IDENTITY;
-  if local > 0u {
-    before = partial[local - 1u];
-  }
+  let before = before_of(local);
   if tile >= tile_count(extent.count) {
     return;
   }

@@ -8,6 +8,7 @@
 import extent;
 import address;
 import motion;
+import compositions;
 
 @group(0) @binding(0) var<uniform> extent: Extent;
 @group(0) @binding(1) var<storage, read> records: array<vec4u>;
@@ -15,7 +16,11 @@ import motion;
 @group(0) @binding(3) var<storage, read_write> motions: array<Motion>;
 @group(0) @binding(4) var<storage, read_write> carried: array<Motion>;
 
-var<workgroup> partial: array<Motion, WORKGROUP>;
+alias Element = Motion;
+
+fn identity() -> Motion {
+  return still();
+}
 
 // What an invocation's modules do together.
 fn motion_of(start: u32, end: u32) -> Motion {
@@ -24,40 +29,6 @@ fn motion_of(start: u32, end: u32) -> Motion {
     motion = then_module(motion, read_record(i));
   }
   return motion;
-}
-
-// Inclusive composition over the workgroup, in order.
-fn workgroup_composed(local: u32, motion: Motion) -> Motion {
-  partial[local] = motion;
-  workgroupBarrier();
-  for (var distance = 1u; distance < WORKGROUP; distance = distance << 1u) {
-    var before = still();
-    if local >= distance {
-      before = partial[local - distance];
-    }
-    workgroupBarrier();
-    if local >= distance {
-      partial[local] = composed(before, partial[local]);
-    }
-    workgroupBarrier();
-  }
-  return partial[local];
-}
-
-// What stands before an invocation in its workgroup.
-fn before_of(local: u32) -> Motion {
-  if local == 0u {
-    return still();
-  }
-  return partial[local - 1u];
-}
-
-fn tile_count(count: u32) -> u32 {
-  return (count + TILE - 1u) / TILE;
-}
-
-fn tile_of(group: vec3u, groups: vec3u) -> u32 {
-  return group.x + group.y * groups.x;
 }
 
 @compute @workgroup_size(WORKGROUP)

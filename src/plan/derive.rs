@@ -10,10 +10,9 @@ use super::given::{Given, View};
 use super::schedule::{self, Derive};
 use super::size::{self, Bounds};
 use super::step::Clock;
-use super::tables::{RulesOf, Stage, Tables};
+use super::tables::{RulesOf, Stage};
 use super::{Error, Plan, links, turtle};
 use crate::language::expr::Value;
-use crate::language::system::{Kind, Topology};
 use crate::patch;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -302,8 +301,8 @@ impl<B: Backend> Run<'_, B> {
 
     /// Where a word has no module, its trace is the point at which the turtle starts.
     fn start_empty_words(&mut self, into: usize) -> Result<(), B::Error> {
-        let Tables { layout, symbols, .. } = &self.plan.tables;
-        let start = turtle::start(symbols, into, layout);
+        let layout = &self.plan.tables.layout;
+        let start = turtle::start(self.plan, into);
         if self.words == 0 && self.modules == 0 {
             self.frontier.push(self.backend.upload(start, Vec::new())?);
             self.modules = 1;
@@ -350,8 +349,7 @@ impl<B: Backend> Run<'_, B> {
                     false => pieces.push(chunk),
                 }
             }
-            let ring = self.plan.system.kind == Kind::Curve(Topology::Ring);
-            waiting = self.backend.join(pieces, ring)?;
+            waiting = self.backend.join(pieces, self.plan.is_ring())?;
         }
         waiting.reverse();
         while let Some(chunk) = waiting.pop() {

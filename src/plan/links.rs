@@ -48,7 +48,10 @@ pub fn with_starts(records: &[u32], layout: &Layout, start: &[u32], words: Range
     let begin = |all: &mut Vec<u32>, empty: usize| {
         let at = all.len();
         all.extend(start);
-        (all[at + word], all[at + link]) = (empty as u32, NONE);
+        all[at + word] = empty as u32;
+        if start[link] & NONE != NONE {
+            all[at + link] += (at / layout.record_words) as u32;
+        }
     };
     for record in records.chunks_exact(layout.record_words) {
         let own = record[word] as usize;

@@ -26,7 +26,7 @@ pub mod turns;
 pub mod turtle;
 
 use crate::language::expr::Value;
-use crate::language::system::{Kind, System, UniformKind};
+use crate::language::system::{Kind, System, Topology, UniformKind};
 use crate::language::{Type, eval};
 use std::sync::Arc;
 
@@ -123,6 +123,11 @@ impl Plan {
             system: Arc::new(system.clone()),
             hole: None,
         })
+    }
+
+    /// Whether the last module of a curve is followed by the first.
+    pub fn is_ring(&self) -> bool {
+        self.system.kind == Kind::Curve(Topology::Ring)
     }
 
     /// Whether control points have weights.

@@ -5,7 +5,6 @@ use super::layout::{self, Layout, NONE};
 use super::{Error, Plan};
 use crate::language::eval;
 use crate::language::expr::Value;
-use crate::language::system::{Kind, Topology};
 use crate::{curve, patch};
 
 /// What a derivation starts from.
@@ -167,7 +166,7 @@ impl Plan {
             }
             axis = part.exit.map_or(axis, |exit| first + exit as u32);
         }
-        if let (Some(word), Kind::Curve(Topology::Ring)) = (layout.link, self.system.kind) {
+        if let (Some(word), true) = (layout.link, self.is_ring()) {
             records[word] = axis;
         }
         Ok(records)

@@ -19,8 +19,8 @@
 
 use super::Plan;
 use super::context::{Near, Place};
-use super::layout::{END, Layout, NONE};
-use super::tables::{MatchRule, Production, RulesOf, Successor, Symbol};
+use super::layout::{END, NONE};
+use super::tables::{MatchRule, Production, RulesOf, Successor, Symbol, Tables};
 use crate::language::Span;
 use crate::language::expr::{Expr, ExprKind, Type, Value};
 use crate::language::system::{Hang, Kind, System, Topology};
@@ -215,10 +215,12 @@ fn zero(ty: &Type, span: Span) -> Expr {
 
 /// The record of the point at which the turtle starts: the word that is traced of no modules, or of a ring in which
 /// nothing moves.
-pub fn start(symbols: &[Symbol], into: usize, layout: &Layout) -> Vec<u32> {
+pub fn start(plan: &Plan, into: usize) -> Vec<u32> {
+    let Tables { layout, symbols, .. } = &plan.tables;
     let mut record = vec![0; layout.record_words];
     record[0] = into as u32;
-    if let Some(link) = layout.link {
+    // In a ring it hangs on itself.
+    if let (Some(link), false) = (layout.link, plan.is_ring()) {
         record[link] = NONE;
     }
     let symbol = &symbols[into];
@@ -234,7 +236,7 @@ pub fn start(symbols: &[Symbol], into: usize, layout: &Layout) -> Vec<u32> {
 pub fn may_be_empty(plan: &Plan) -> bool {
     let written = plan.tables.rule_sets.iter().filter(|set| matches!(set.of, RulesOf::Groups(_)));
     let mut productions = written.flat_map(|set| &set.stages).flat_map(|stage| &stage.productions);
-    plan.system.kind == Kind::Curve(Topology::Ring) || productions.any(|p| p.count() == 0)
+    plan.is_ring() || productions.any(|p| p.count() == 0)
 }
 
 /// How far a coordinate may be off behind so many modules on any machine, where none of the positions so far has a

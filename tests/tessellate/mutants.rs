@@ -3,8 +3,7 @@
 use super::device::{ROOM, camera, difference, submit};
 use super::placement::{HIGH, WILD, checkered, displaced, heights, plan_of};
 use super::{file, sets, tessellated};
-use crate::device;
-use burgeon::codegen::Edit;
+use crate::{device, mutants};
 use burgeon::cpu::tessellate::Tessellator as Cpu;
 use burgeon::gpu::Engine;
 use burgeon::gpu::tessellate::{Capacity, Tessellator};
@@ -259,36 +258,18 @@ impl Check {
     }
 }
 
-pub fn path_of(file: &str) -> String {
-    ["wgsl/tessellate/shared", "wgsl/tessellate", "wgsl/shared"]
-        .map(|folder| format!("{folder}/{file}.wgsl"))
-        .into_iter()
-        .find(|path| std::path::Path::new(path).exists())
-        .unwrap_or_else(|| panic!("{file}.wgsl"))
-}
-
 #[test]
 fn every_mutant_of_a_tessellation_is_seen() {
     let Some(headless) = device::headless() else { return };
     let engine = Engine::new(&headless.device, &headless.queue);
-    let mut wrong = Vec::new();
     for check in [Roots, Word, Pixels, Frames, Room, Rational, Budget, Slab, Placed, PlacedOn] {
         assert_eq!(check.run(&engine), None, "{check:?} without a mutant");
     }
-    for &(file, find, replace, check) in MUTANTS {
-        let path = path_of(file);
-        let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path}: {e}"));
-        if !text.contains(find) {
-            wrong.push(format!("{path} has no `{find}` any more"));
-            continue;
-        }
-        let mutant = engine.clone().with_edit(Edit { file, find, replace });
-        match check.run(&mutant) {
-            None => wrong.push(format!("{file}: `{find}` → `{replace}` is not seen by {check:?}")),
-            Some(difference) => println!("{file}: `{find}` → `{replace}`: {difference}"),
-        }
-    }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    let unseen = |&(file, find, replace, check): &(&'static str, &'static str, &'static str, Check)| {
+        let unseen = mutants::unseen(&engine, (file, find, replace), |engine| check.run(engine))?;
+        Some(format!("{unseen} by {check:?}"))
+    };
+    mutants::assert_seen(MUTANTS.iter().filter_map(unseen));
 }
 
 #[test]

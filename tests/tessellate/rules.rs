@@ -2,8 +2,7 @@
 
 use super::device::{ROOM, difference, submit};
 use super::file;
-use crate::device;
-use burgeon::codegen::Edit;
+use crate::{device, mutants};
 use burgeon::conformance::tessellation::LACE;
 use burgeon::cpu::{self, tessellate::Tessellator as Cpu};
 use burgeon::gpu::run::Options as Params;
@@ -320,7 +319,7 @@ fn frames_of_rules_make_nothing() {
 }
 
 /// The kernels that take the word in, broken on purpose.
-const MUTANTS: &[(&str, &str, &str)] = &[
+const MUTANTS: &[mutants::Mutant] = &[
     ("recall", "k >= progress.modules", "k + 1u >= progress.modules"),
     ("recall", "records[k * source.quads + 1u]", "records[k * source.quads]"),
     ("recall", "head.x >> 24u);", "head.x >> 16u);"),
@@ -364,17 +363,7 @@ fn every_mutant_of_the_word_is_seen() {
     let whole = Options { format: super::kernels::formats()[0], ..Options::default() };
     let differs = |engine: &Engine| frames(engine, &rules, &whole);
     assert_eq!(differs(&engine), None, "without a mutant");
-    let mut wrong = Vec::new();
-    for &(file, find, replace) in MUTANTS {
-        let path = super::mutants::path_of(file);
-        let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path}: {e}"));
-        if !text.contains(find) {
-            wrong.push(format!("{path} has no `{find}` any more"));
-        } else if differs(&engine.clone().with_edit(Edit { file, find, replace })).is_none() {
-            wrong.push(format!("{file}: `{find}` → `{replace}` is not seen"));
-        }
-    }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    mutants::assert_seen(MUTANTS.iter().filter_map(|&mutant| mutants::unseen(&engine, mutant, differs)));
 }
 
 /// Whether a file has mutants here.

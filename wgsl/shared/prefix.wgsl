@@ -5,6 +5,8 @@
 // element move in all (two reads, one write). ITEMS is large on CPU drivers, where barriers and
 // loads are dear, and 16 elsewhere: 64 bytes an invocation, whole cache lines.
 
+import tiles;
+
 var<workgroup> partial: array<u32, WORKGROUP>;
 
 // Inclusive sum over the workgroup.
@@ -21,12 +23,4 @@ fn workgroup_sum(local: u32, value: u32) -> u32 {
     workgroupBarrier();
   }
   return partial[local];
-}
-
-fn tile_count(count: u32) -> u32 {
-  return (count + TILE - 1u) / TILE;
-}
-
-fn tile_of(group: vec3u, groups: vec3u) -> u32 {
-  return group.x + group.y * groups.x;
 }

@@ -6,7 +6,6 @@ use crate::command::run::of_plan;
 use burgeon::cpu::Cpu;
 use burgeon::curve::{Axiom, Words};
 use burgeon::language::Value;
-use burgeon::language::system::{Kind, Topology};
 use burgeon::plan::derive::{self, Backend, Outcome, StageId};
 use burgeon::plan::step::Clock;
 use burgeon::plan::{Options, Plan};
@@ -155,8 +154,7 @@ fn step_case<'a, B: Backend + 'a>(
             false => pieces.push(chunk),
         }
     }
-    let ring = plan.system.kind == Kind::Curve(Topology::Ring);
-    let chunks = backend.join(pieces, ring).map_err(fail)?;
+    let chunks = backend.join(pieces, plan.is_ring()).map_err(fail)?;
     let modules: u64 = chunks.iter().map(|chunk| backend.len(chunk) as u64).sum();
     let mut once = move || {
         let start = Instant::now();
