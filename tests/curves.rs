@@ -64,6 +64,52 @@ fn s6_the_square_has_32_points_after_three_steps() {
     assert_eq!(first.len(), 8);
 }
 
+/// The CPU adds weighted points of 16 bytes in registers, those of larger records column by column, and what is no such
+/// sum in a third way: rounded alike, to the bit.
+#[test]
+fn sums_of_points_are_rounded_as_the_rule_says() {
+    const CHILDREN: [&str; 14] = [
+        "v",
+        "0.1*a + 0.7*v",
+        "v*0.7 + a*0.1 + 0.3*b",
+        "0.1*a + (0.7*v + 0.3*b)",
+        "(0.1*a + 0.7*v) - 0.3*b",
+        "0.1*a - (0.7*v + 0.3*b)",
+        "(0.1*a + 0.7*v) + (0.3*b + 0.2*v)",
+        "-w*a + v - w*b",
+        "-(w*a) - -(0.3*v)",
+        "(1 - w)*a + w*w*v + clamp(w, 0, 1)*b",
+        "0.3*(a + v)",
+        "v/3 + a",
+        "a + v + b + 0.1*a + 0.2*v + 0.3*b + 0.4*a + 0.6*v",
+        "a + v + b + 0.1*a + 0.2*v + 0.3*b + 0.4*a + 0.6*v + 0.7*b",
+    ];
+    let point = |n: i32| [0.1 + n as f32 / 7.0, (n * n % 1013) as f32 / 3e4, 1e6 / (n as f32 + 0.3), 1.0];
+    let points: Vec<[f32; 4]> = (0..1500).map(point).collect();
+    for children in CHILDREN.windows(2) {
+        let text = |fields: &str, more: &str| {
+            let [first, second] = [children[0], children[1]].map(|child| format!("P({child}{more})"));
+            let open = if more.is_empty() { "" } else { ", _, _, _" };
+            format!(
+                "system s : curve ring\nparam w: float = 0.37\nmodule P({fields})\n\
+                 axiom: P(_) = file \"points\"\nrules:\n  P(a{open}) < P(v{open}) > P(b{open}) -> {first} {second}\n\
+                 run:\n  derive 2\n"
+            )
+        };
+        for dimensions in ["vec3", "vec2"] {
+            let four = text(&format!("v: {dimensions}"), "");
+            let more = text(&format!("v: {dimensions}, k: int, l: int, m: int"), ", 1, 2, 3")
+                .replace("axiom: P(_) =", "axiom: P(_, 0, 0, 0) =");
+            let [four, behind_a_symbol, columns] =
+                [four.clone(), four.replace("module P", "module Q, P"), more]
+                    .map(|text| job(&text, &points, &[]).cpu(None, None).points());
+            assert_eq!(four.len(), 6000);
+            assert!(four == columns, "{children:?} of {dimensions}");
+            assert!(four == behind_a_symbol, "{children:?} of {dimensions} behind another symbol");
+        }
+    }
+}
+
 #[test]
 fn chunks_of_any_size_are_invisible() {
     for chunk in [1, 2, 3, 7, 64] {
