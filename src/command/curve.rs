@@ -47,6 +47,7 @@ pub fn run(flags: &flags::Run) -> Result<(), Failure> {
     let derived = derived?;
     let drawn = Drawn {
         control: if flags.control { control(&job, several)? } else { vec![Vec::new(); derived.words.len()] },
+        combinations: several.map_or(1, |several| several.combinations),
         columns: several.and_then(|several| several.columns),
         style: Style { points: flags.points, up: flags.drawing.up.into(), ..Style::default() },
     };
@@ -73,6 +74,8 @@ pub fn run(flags: &flags::Run) -> Result<(), Failure> {
 struct Drawn {
     /// For each word.
     control: Vec<Vec<curves::Line>>,
+    /// Panels, and how many stand in a row. The curves of one file stay where they are to each other: one panel.
+    combinations: usize,
     columns: Option<usize>,
     style: Style,
 }
@@ -91,8 +94,8 @@ fn write_all(path: &Path, several: Option<&Several>, words: &[Word], drawn: &Dra
     let digits = (words.len() - 1).to_string().len();
     for (n, word) in words.iter().enumerate() {
         let path = name.replace("{}", &format!("{n:0digits$}"));
-        let drawn =
-            Drawn { control: vec![drawn.control[n].clone()], columns: None, style: drawn.style.clone() };
+        let control = vec![drawn.control[n].clone()];
+        let drawn = Drawn { control, combinations: 1, columns: None, style: drawn.style.clone() };
         write(Path::new(&path), None, std::slice::from_ref(word), &drawn)?;
     }
     Ok(())
@@ -102,11 +105,15 @@ fn write(path: &Path, several: Option<&Words>, words: &[Word], drawn: &Drawn) ->
     let is = |extension| load::has_extension(path, extension);
     let all: Vec<&Word> = words.iter().collect();
     let picture = || {
-        let panel = |(word, control): (_, &Vec<_>)| Panel { words: vec![word], control: control.clone() };
-        let panels: Vec<Panel> = words.iter().zip(&drawn.control).map(panel).collect();
+        let panel = |n: usize| {
+            let control = drawn.control.iter().skip(n).step_by(drawn.combinations);
+            let words = words.iter().skip(n).step_by(drawn.combinations).collect();
+            Panel { words, control: control.flatten().cloned().collect() }
+        };
+        let panels: Vec<Panel> = (0..drawn.combinations).map(panel).collect();
         Picture::sheet(&panels, drawn.columns, &drawn.style)
     };
-    let pixels = match words.len() {
+    let pixels = match drawn.combinations {
         0 | 1 => PIXELS,
         n => {
             let columns = drawn.columns.unwrap_or(n.isqrt() + 1);

@@ -96,7 +96,9 @@ pub struct Several {
     pub words: Words,
     /// Those of one schedule are one run.
     pub runs: Vec<Vec<usize>>,
-    /// Words of each row in a picture, where they are combinations.
+    /// Combinations of params and seeds; the words of each curve have them in the same order.
+    pub combinations: usize,
+    /// Combinations of each row in a picture, where they are of several kinds.
     pub columns: Option<usize>,
 }
 
@@ -160,7 +162,8 @@ pub fn several(flags: &flags::Run, job: &Job) -> Result<Several, Failure> {
             None => runs.push((own, vec![n])),
         }
     }
-    let combined = axioms.len() > 1 || sizes.len() > 1;
-    let columns = sizes.last().copied().filter(|&n| combined && n > 1);
-    Ok(Several { words: Words { words }, runs: runs.into_iter().map(|(_, run)| run).collect(), columns })
+    let columns = sizes.last().copied().filter(|&n| sizes.len() > 1 && n > 1);
+    let combinations = sets.len() * seeds as usize;
+    let runs = runs.into_iter().map(|(_, run)| run).collect();
+    Ok(Several { words: Words { words }, runs, combinations, columns })
 }

@@ -8,6 +8,34 @@ use crate::language::Value;
 ///
 /// Schedules must be the same: params that stand in the counts of `run:` must be equal in all. `until terminal` goes on
 /// until no rule fires in any word.
+///
+/// ```
+/// use burgeon::cpu::Cpu;
+/// use burgeon::curve::{Axiom, Words};
+/// use burgeon::language::{System, Value};
+/// use burgeon::plan::derive::{collect_words, derive};
+/// use burgeon::plan::{Options, Plan};
+///
+/// let system = System::parse(
+///     "system corners : curve ring
+///      param w: float = 1/4
+///      module P(v: vec2)
+///      axiom: P((0, 0)) P((4, 0)) P((4, 3))
+///      rules:
+///        P(a) < P(v) > P(b) -> P(w*a + (1 - w)*v) P((1 - w)*v + w*b)
+///      run:
+///        derive 3",
+/// )?;
+/// let axiom = Axiom::load::<String>(&system, &mut |file| Err(format!("{file} is not there")))?;
+/// let starts = Words::sweep(&axiom, "w", [0.0, 0.25, 0.5].map(Value::Float), 0);
+///
+/// let plan = Plan::of_words(&system)?;
+/// let mut backend = Cpu::new(&plan, &[], 0)?; // or gpu::Gpu
+/// let derivation = derive(&plan, &starts, &[], &Options::default(), &mut backend)?;
+/// let words = collect_words(&plan, &mut backend, &derivation, starts.words.len())?;
+/// assert!(words.iter().all(|word| word.modules.len() == 24));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct Words {
     pub words: Vec<Start>,

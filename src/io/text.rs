@@ -102,11 +102,7 @@ pub enum Problem {
     #[error("this line is no {ty}: {wanted}")]
     OtherType { ty: Type, wanted: &'static str },
     #[error(
-        "the path command `{found}` draws {what}; M, L, H, V and Z are read: flatten the path to lines first"
-    )]
-    Command { found: char, what: &'static str },
-    #[error(
-        "{found} stands where a number or one of the path commands M, L, H, V and Z should, of which M is the first"
+        "{found} stands where a number or one of the path commands M, L, H, V, C, S, Q, T, A and Z should, of which M is the first"
     )]
     PathData { found: String },
     #[error("{found} stands where a coordinate should: points are numbers, `x,y x,y`")]

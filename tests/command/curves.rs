@@ -46,11 +46,6 @@ fn bad_files_of_points_are_shown_with_their_place() {
         ("nan.csv", "0,0\n1,nan\n", "nan.csv:2:3: y of point 1 is `nan`; coordinates must be finite"),
         ("none.obj", "# nothing\n", "none.obj:1:10: the file ends where vertex 1 should stand"),
         ("none.svg", "", "none.svg:1:1: the file is empty"),
-        (
-            "round.svg",
-            "<svg>\n<path d='M0 0C1 1 2 2 3 3'/>\n</svg>",
-            "round.svg:2:14: the path command `C` draws a cubic curve",
-        ),
         ("circle.svg", "<svg><circle r='1'/></svg>", "circle.svg:1:6: a circle is not read"),
         ("points.txt", "0 0\n", "the points of curves are read from .obj, .csv and .svg"),
     ];

@@ -90,6 +90,14 @@ fn each_curve_of_a_file_is_one() {
     let second = text(&folder, "2.csv");
     assert!(text(&folder, "each.csv").ends_with(second.split_once('\n').expect("a row of names").1));
     assert_eq!(folder.run(&run).succeeds().stdout, "c: 2 steps, 28 modules\n");
+    // In a picture they stay where they are to each other; sweeps stand side by side.
+    folder.run(&[&run[..], &["--each", "--steps", "0", "--out", "each.svg"]].concat()).succeeds();
+    let svg = text(&folder, "each.svg");
+    assert!(svg.contains("M 0.0 0.0 4.0 0.0 4.0 -3.0 Z") && svg.contains("M 9.0 -9.0 8.0 -8.0"), "{svg}");
+    folder.run(&[&run[..], &["--each", "--sweep", "w=0..0.5/3", "--out", "each.svg"]].concat()).succeeds();
+    let width = |svg: &str| svg.split("viewBox=\"").nth(1)?.split(' ').nth(2)?.parse::<f64>().ok();
+    let (one, three) = (width(&svg), width(&text(&folder, "each.svg")));
+    assert!(three > one.map(|one| 2.0 * one), "{one:?} {three:?}");
 }
 
 #[test]

@@ -43,8 +43,7 @@ const SHAPE: f64 = 1.5;
 pub(super) const CONTROL: [u8; 3] = [185, 178, 167];
 pub(super) const DOTS: [u8; 3] = [180, 71, 47];
 
-/// One for each word.
-const COLORS: [[u8; 3]; 4] = [[31, 95, 107], [176, 125, 43], [138, 62, 112], [74, 110, 44]];
+const INK: [u8; 3] = [31, 95, 107];
 
 /// Strokes on a white ground, in the order in which they are drawn. x points to the right, y up.
 #[derive(Clone, Debug)]
@@ -147,7 +146,7 @@ impl Picture {
 /// Columns of so many panels of a size: a sheet of about [`SHAPE`], with few places left over.
 fn columns_for(panels: usize, [width, height]: [f64; 2]) -> usize {
     let wanted = (panels as f64 * SHAPE * height / width).sqrt();
-    let near = (0.7 * wanted).ceil() as usize..=(1.4 * wanted) as usize;
+    let near = (0.7 * wanted).ceil() as usize..=(1.5 * wanted) as usize;
     let left_over = |columns: &usize| (columns - panels % columns) % columns;
     let best = near.filter(|&n| (1..=panels).contains(&n)).min_by(|a, b| {
         let off = |n: &usize| (*n as f64 - wanted).abs();
@@ -161,10 +160,8 @@ fn strokes_of_panel(panel: &Panel, up: Up) -> Result<Vec<Stroke>, WriteError> {
     for control in &panel.control {
         strokes.extend(strokes_of(control, up, CONTROL)?);
     }
-    for (n, word) in panel.words.iter().enumerate() {
-        for line in &lines(word) {
-            strokes.extend(strokes_of(line, up, COLORS[n % COLORS.len()])?);
-        }
+    for line in panel.words.iter().flat_map(|word| lines(word)) {
+        strokes.extend(strokes_of(&line, up, INK)?);
     }
     Ok(strokes)
 }

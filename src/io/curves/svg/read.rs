@@ -1,19 +1,22 @@
-//! Curves from `.svg`: what is made of straight lines.
+//! Curves from `.svg`.
 
 use super::super::super::text::{Element, ParseError, Problem, Wrong};
 use super::super::Polyline;
 use roxmltree::{Attribute, Document, Node, ParsingOptions};
 use std::str::FromStr;
-use svgtypes::{Error, Length, LengthUnit, NumberListParser, PathParser, PathSegment, Transform};
+use svgtypes::{
+    Error, Length, LengthUnit, NumberListParser, SimplePathSegment, SimplifyingPathParser, Transform,
+};
 
 const SVG: &str = "http://www.w3.org/2000/svg";
 
-/// Reads a curve for each `polyline`, `polygon`, `line`, `rect` and subpath of a `path` of M, L, H, V and Z, with the
-/// transforms of their elements. y points down in the file and up in the points. A curve that ends at its first point
+/// Reads a curve for each `polyline`, `polygon`, `line`, `rect` and subpath of a `path`, with the transforms of their
+/// elements. What is curved in a path becomes so many points that lines between them are off it by a thousandth of the
+/// size of each piece at most. y points down in the file and up in the points. A curve that ends at its first point
 /// has it once. What is not drawn where it stands (`defs`, `symbol`, `marker`, …), text and images are passed over.
 ///
 /// # Errors
-/// XML that is wrong, another path command or shape, what is no number or too large, a file without curves.
+/// XML that is wrong, another shape, what is no number or too large, a file without curves.
 pub fn parse(text: &[u8]) -> Result<Vec<Polyline>, ParseError> {
     read(text).map_err(|wrong| wrong.locate(text))
 }
@@ -177,46 +180,73 @@ impl Curves {
     fn path(&mut self, node: &Node, transform: &Transform) -> Result<(), Wrong> {
         let Some(attribute) = node.attribute_node("d") else { return Ok(()) };
         let text = attribute.value();
-        let (mut here, mut start, mut curve) = ([0.0; 2], [0.0; 2], Polyline::new());
-        for (n, segment) in PathParser::from(text).enumerate() {
+        let (mut here, mut curve) = ([0.0; 2], Polyline::new());
+        for (n, segment) in SimplifyingPathParser::from(text).enumerate() {
             let segment = segment.map_err(|e| of_number(&attribute, &e))?;
-            let from = |abs: bool| if abs { [0.0; 2] } else { here };
-            let to = match segment {
-                PathSegment::MoveTo { abs, x, y } | PathSegment::LineTo { abs, x, y } => {
-                    [from(abs)[0] + x, from(abs)[1] + y]
-                }
-                PathSegment::HorizontalLineTo { abs, x } => [from(abs)[0] + x, here[1]],
-                PathSegment::VerticalLineTo { abs, y } => [here[0], from(abs)[1] + y],
-                PathSegment::ClosePath { .. } => {
+            let control = match segment {
+                SimplePathSegment::ClosePath => {
                     self.finish(&mut curve);
-                    here = start;
                     continue;
                 }
-                _ => return Err(no_line(&attribute, segment.command())),
-            };
-            let too_large = |e| {
-                let whole = |t: &str| PathParser::from(t).filter(Result::is_ok).count();
-                too_large(place(&attribute, end_of(text, n, whole)), e)
-            };
-            if matches!(segment, PathSegment::MoveTo { .. }) {
-                // A move alone draws nothing.
-                if curve.len() > 1 {
-                    self.finish(&mut curve);
+                SimplePathSegment::MoveTo { x, y } => {
+                    // A move alone draws nothing.
+                    if curve.len() > 1 {
+                        self.finish(&mut curve);
+                    }
+                    curve.clear();
+                    vec![[x, y]]
                 }
-                curve.clear();
-                start = to;
-            } else if curve.is_empty() {
-                // Behind a Z lines go on from where the curve began.
-                curve.push(self.point(transform, start, 0).map_err(too_large)?);
+                SimplePathSegment::LineTo { x, y } => vec![[x, y]],
+                SimplePathSegment::Quadratic { x1, y1, x, y } => vec![here, [x1, y1], [x, y]],
+                SimplePathSegment::CurveTo { x1, y1, x2, y2, x, y } => {
+                    vec![here, [x1, y1], [x2, y2], [x, y]]
+                }
+            };
+            for point in flat(&control) {
+                let point = self.point(transform, point, curve.len()).map_err(|e| {
+                    let whole = |t: &str| SimplifyingPathParser::from(t).filter(Result::is_ok).count();
+                    too_large(place(&attribute, end_of(text, n, whole)), e)
+                });
+                curve.push(point?);
             }
-            here = to;
-            curve.push(self.point(transform, to, curve.len()).map_err(too_large)?);
+            here = control.last().copied().unwrap_or(here);
         }
         if curve.len() > 1 {
             self.finish(&mut curve);
         }
         Ok(())
     }
+}
+
+/// How far a line may be off the curve that it stands for, of the size of its control polygon.
+const FLAT: f64 = 1e-3;
+
+/// Points behind the first of a Bézier curve, evenly spaced in its parameter, so many that the lines between them are off
+/// by [`FLAT`] at most: each is off by an eighth of the greatest second derivative (Wang's formula). A point alone is
+/// itself.
+fn flat(control: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let degree = control.len() - 1;
+    if degree == 0 {
+        return control.to_vec();
+    }
+    let away = |[x, y]: [f64; 2]| x.hypot(y);
+    let bend = |p: &[[f64; 2]]| away([0, 1].map(|k| p[0][k] - 2.0 * p[1][k] + p[2][k]));
+    let bend = control.windows(3).map(bend).fold(0.0, f64::max);
+    let size = control.iter().map(|p| away([0, 1].map(|k| p[k] - control[0][k]))).fold(0.0, f64::max);
+    let second = (degree * (degree - 1)) as f64 * bend;
+    let pieces = (second / (8.0 * FLAT * size)).sqrt().ceil().max(1.0);
+    let at = |n: u32| {
+        // As de Casteljau cuts a curve.
+        let (t, mut points) = (f64::from(n) / pieces, control.to_vec());
+        for last in (1..points.len()).rev() {
+            for i in 0..last {
+                points[i] = [0, 1].map(|k| points[i][k] * (1.0 - t) + points[i + 1][k] * t);
+            }
+        }
+        points[0]
+    };
+    let inner = (1..pieces as u32).map(at);
+    inner.chain(control.last().copied()).collect()
 }
 
 /// Lengths in units of the picture; what is missing is 0.
@@ -234,17 +264,6 @@ fn numbers<const N: usize>(node: &Node, names: [&str; N]) -> Result<[f64; N], Wr
 
 fn no_lines(node: &Node, found: &str) -> Wrong {
     Wrong { offset: node.range().start, problem: Problem::NoLines { found: found.to_string() } }
-}
-
-/// The first command of a path that draws no line. All before it was read, and numbers do not hold these letters.
-fn no_line(attribute: &Attribute, command: u8) -> Wrong {
-    let at = attribute.value().find(|c: char| "CcSsQqTtAa".contains(c)).unwrap_or(0);
-    let what = match command.to_ascii_uppercase() {
-        b'C' | b'S' => "a cubic curve",
-        b'Q' | b'T' => "a quadratic curve",
-        _ => "an arc",
-    };
-    Wrong { offset: place(attribute, at), problem: Problem::Command { found: command.into(), what } }
 }
 
 fn too_large(offset: usize, (element, x): (Element, f64)) -> Wrong {
