@@ -13,9 +13,9 @@ pub fn match_modules(stage: &Stage, words: &[u32], input: &Input, rules: &mut [u
     rules
         .par_chunks_mut(BLOCK)
         .enumerate()
-        .map_init(Default::default, |(registers, symbols), (block, rules)| {
+        .map_init(Desk::default, |desk, (block, rules)| {
             let block = input.block(block);
-            match_block(stage, &block, rules, registers, symbols);
+            match_block(stage, &block, rules, desk);
             status(stage, words, &block, rules)
         })
         .reduce(Status::default, |a, b| Status {
@@ -46,40 +46,68 @@ pub fn status(stage: &Stage, words: &[u32], block: &Input, rules: &[u32]) -> Sta
 
 const UNDECIDED: u32 = u32::MAX;
 
-fn match_block(
-    stage: &Stage,
-    block: &Input,
-    rules: &mut [u32],
-    registers: &mut Registers,
-    symbols: &mut Vec<usize>,
-) {
-    let heads = block.records.iter().step_by(block.layout.record_words);
+/// What a thread needs for one block after the other.
+#[derive(Default)]
+struct Desk {
+    registers: Registers,
+    /// Of the modules, and of as many beside them as a context sees.
+    symbols: Vec<u32>,
+    /// For each module whether a rule fires on it, 1 or 0. Plain loops over columns, which vectorise.
+    fires: Vec<u32>,
+}
+
+fn match_block(stage: &Stage, block: &Input, rules: &mut [u32], desk: &mut Desk) {
+    let Desk { registers, symbols, fires } = desk;
+    let (n, halo) = (rules.len(), block.layout.halo());
+    let first = block.first - halo;
     symbols.clear();
-    symbols.extend(heads.map(|head| (head & 0xffff) as usize));
+    symbols.extend((first..first + n + 2 * halo).map(|i| block.symbol(i)));
     rules.fill(UNDECIDED);
-    let mut present = vec![false; stage.by_symbol.len()];
-    symbols.iter().for_each(|&symbol| present[symbol] = true);
     for (rule, code) in stage.rules.iter().zip(&stage.code.rules) {
-        let predecessor = rule.predecessor;
-        if !present[predecessor] {
+        let predecessor = rule.predecessor as u32;
+        fires.clear();
+        fires.extend(symbols[halo..][..n].iter().map(|&symbol| u32::from(symbol == predecessor)));
+        // Where modules stand side by side the symbols of a context are looked at first: most rules of symbols ask for
+        // no more, and need no registers.
+        let (context, guards) = match halo {
+            0 => (&[][..], &code.guards[..]),
+            _ => (&rule.context[..], &code.guards[rule.context.len()..]),
+        };
+        for near in context {
+            let there = &symbols[halo.wrapping_add_signed(near.place.offset() as isize)..][..n];
+            fires
+                .iter_mut()
+                .zip(there)
+                .for_each(|(fires, &symbol)| *fires &= u32::from(symbol == near.symbol));
+        }
+        if fires.iter().all(|&fires| fires == 0) {
             continue;
         }
-        program::run(&code.graph, block, registers);
-        let registers = &*registers;
-        let guards: Vec<&[u32; BLOCK]> = code.guards.iter().map(|&guard| registers.column(guard)).collect();
-        let choice = code.choice.map(|choice| registers.column(choice));
-        for (i, (id, &symbol)) in rules.iter_mut().zip(&*symbols).enumerate() {
-            let fires = *id == UNDECIDED && symbol == predecessor && guards.iter().all(|guard| guard[i] != 0);
-            if fires {
-                let drawn = choice.map_or(0, |choice| choice[i]);
-                let idle = unchanged(code, drawn as usize, registers, block, i);
-                *id = if idle { stage.idle(predecessor) } else { rule.productions.start as u32 + drawn };
+        let draws = code.choice.is_some() || code.unchanged.iter().any(Option::is_some);
+        if draws || !guards.is_empty() {
+            program::run(&code.graph, block, registers);
+        }
+        for &guard in guards {
+            let holds = registers.column(guard);
+            fires.iter_mut().zip(holds).for_each(|(fires, &holds)| *fires &= u32::from(holds != 0));
+        }
+        let production = rule.productions.start as u32;
+        if !draws {
+            for (id, &fires) in rules.iter_mut().zip(&*fires) {
+                *id = if *id == UNDECIDED && fires != 0 { production } else { *id };
             }
+            continue;
+        }
+        let choice = code.choice.map(|choice| registers.column(choice));
+        for (i, id) in rules.iter_mut().enumerate().filter(|(i, id)| **id == UNDECIDED && fires[*i] != 0) {
+            let drawn = choice.map_or(0, |choice| choice[i]);
+            let idle = unchanged(code, drawn as usize, registers, block, i);
+            *id = if idle { stage.idle(rule.predecessor) } else { production + drawn };
         }
     }
-    for (rule, &symbol) in rules.iter_mut().zip(&*symbols) {
+    for (rule, &symbol) in rules.iter_mut().zip(&symbols[halo..]) {
         if *rule == UNDECIDED {
-            *rule = stage.idle(symbol);
+            *rule = stage.idle(symbol as usize);
         }
     }
 }

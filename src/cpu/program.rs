@@ -56,6 +56,11 @@ impl<'a> Input<'a> {
     pub fn len(&self) -> usize {
         self.records.len() / self.layout.record_words
     }
+    /// The symbol of a record of the window.
+    #[inline]
+    pub fn symbol(&self, place: usize) -> u32 {
+        self.window[place * self.layout.record_words] & 0xffff
+    }
     /// Where the first child of module `i` goes.
     fn offset(&self, i: usize) -> u32 {
         self.offsets[self.first - self.layout.halo() + i]
