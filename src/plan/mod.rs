@@ -105,7 +105,7 @@ impl Plan {
         Ok(Plan { hole: Some(hole), ..Plan::new(&system)? })
     }
 
-    /// The same for several independent words of a curve system at once ([`curve::Words`]).
+    /// The same for several independent words of a curve system at once ([`Words`](crate::curve::Words)).
     ///
     /// # Errors
     /// Also where the system is none of curves, or has `until terminal` beside random numbers or `step`: alone, each word
