@@ -53,11 +53,14 @@ pub fn run(flags: &flags::Run) -> Result<(), Failure> {
     };
     let mut failures = Vec::new();
     for path in &flags.out {
-        stop::check("before all files were written; those written are whole")?;
+        if stop::requested() {
+            break;
+        }
         bar.writing(path);
         failures.extend(write_all(path, several, &derived.words, &drawn).err());
     }
     bar.clear();
+    stop::check("before all files were written; those written are whole")?;
     super::joined(failures)?;
     if flags.stats {
         return print(&format!("{}\n", derived.stats(several.is_some(), start)));

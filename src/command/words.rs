@@ -1,13 +1,15 @@
 //! Several words in one run: sweeps over params, seeds, the curves of a file.
 
 use super::flags::{self, number};
-use super::load::{Job, no_such_param};
+use super::load::{self, Job, no_such_param};
 use super::{Failure, counted};
 use burgeon::curve::{self, Words};
 use burgeon::language::Value;
 use burgeon::language::expr::Type;
+use burgeon::plan;
 use burgeon::plan::schedule::{self, Derive};
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// What a flag `--sweep` says.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,7 +105,7 @@ pub struct Several {
 }
 
 /// All combinations, if they are not too many.
-fn too_many(a: usize, b: usize) -> Result<usize, Failure> {
+fn within_limit(a: usize, b: usize) -> Result<usize, Failure> {
     match a.saturating_mul(b) {
         count if count <= MOST => Ok(count),
         count => {
@@ -130,7 +132,7 @@ pub fn several(flags: &flags::Run, job: &Job) -> Result<Several, Failure> {
         }
         let values = sweep.values(&uniform.ty).map_err(|e| usage(format!("--sweep {name}: {e}")))?;
         sizes.push(values.len());
-        too_many(sets.len(), values.len())?;
+        within_limit(sets.len(), values.len())?;
         let with = |set: &Vec<(String, Value)>| {
             let set = set.clone();
             let one = |value: &Value| [&set[..], &[(name.clone(), value.clone())]].concat();
@@ -142,9 +144,18 @@ pub fn several(flags: &flags::Run, job: &Job) -> Result<Several, Failure> {
         true => job.each_curve(flags.derive.input.as_deref())?,
         false => job.axiom.curve().into_iter().cloned().collect(),
     };
+    let axioms: Vec<Arc<curve::Axiom>> = axioms.into_iter().map(Arc::new).collect();
     let seeds = flags.words.seeds.unwrap_or(1);
     sizes.extend(flags.words.seeds.map(|seeds| seeds as usize));
-    let count = too_many(too_many(axioms.len(), sets.len())?, seeds as usize)?;
+    let count = within_limit(within_limit(axioms.len(), sets.len())?, seeds as usize)?;
+    // All stand in memory at once before the first step.
+    let combinations = sets.len() * seeds as usize;
+    let modules = axioms.iter().map(|axiom| axiom.len() as u64).sum::<u64>() * combinations as u64;
+    let needed = modules * job.plan.tables.layout.module_bytes();
+    let budget = flags.derive.machine.max_memory.unwrap_or_else(load::half_of_memory);
+    if needed > budget {
+        return Err(job.failure(plan::Error::Memory { needed, modules, step: 0, budget }));
+    }
     let mut words = Vec::with_capacity(count);
     for axiom in &axioms {
         for set in &sets {
@@ -163,7 +174,6 @@ pub fn several(flags: &flags::Run, job: &Job) -> Result<Several, Failure> {
         }
     }
     let columns = sizes.last().copied().filter(|&n| sizes.len() > 1 && n > 1);
-    let combinations = sets.len() * seeds as usize;
     let runs = runs.into_iter().map(|(_, run)| run).collect();
     Ok(Several { words: Words { words }, runs, combinations, columns })
 }

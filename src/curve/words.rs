@@ -2,6 +2,7 @@
 
 use super::Axiom;
 use crate::language::Value;
+use std::sync::Arc;
 
 /// Words that are derived together, each as if it were alone: contexts never cross, and each has params and a seed of
 /// its own. A [`Plan::of_words`](crate::plan::Plan::of_words) takes them.
@@ -44,7 +45,8 @@ pub struct Words {
 /// One of several words.
 #[derive(Clone, Debug)]
 pub struct Start {
-    pub axiom: Axiom,
+    /// Shared by the words that begin alike.
+    pub axiom: Arc<Axiom>,
     /// Params by name, in place of their defaults.
     pub set: Vec<(String, Value)>,
     pub seed: u32,
@@ -53,12 +55,14 @@ pub struct Start {
 impl Words {
     /// The same axiom once for each value of a param.
     pub fn sweep(axiom: &Axiom, param: &str, values: impl IntoIterator<Item = Value>, seed: u32) -> Words {
+        let axiom = Arc::new(axiom.clone());
         let start = |value| Start { axiom: axiom.clone(), set: vec![(param.to_string(), value)], seed };
         Words { words: values.into_iter().map(start).collect() }
     }
 
     /// The same axiom once for each seed.
     pub fn seeds(axiom: &Axiom, seeds: impl IntoIterator<Item = u32>) -> Words {
+        let axiom = Arc::new(axiom.clone());
         let start = |seed| Start { axiom: axiom.clone(), set: Vec::new(), seed };
         Words { words: seeds.into_iter().map(start).collect() }
     }

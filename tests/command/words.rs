@@ -112,7 +112,7 @@ fn what_is_wrong_with_several_curves_is_said() {
         "until.burgeon",
         "system u : curve open\nmodule A, B\naxiom: A\nrules:\n  A ->(0.5) A A ->(0.5) B\nrun:\n  derive until terminal max 5\n",
     );
-    let cases: [(&[&str], i32, &str); 15] = [
+    let cases: [(&[&str], i32, &str); 16] = [
         (&["c.burgeon", "--sweep", "w"], 2, "write NAME=FROM..TO/N, as in w=0..0.125/6"),
         (&["c.burgeon", "--sweep", "w=1/4"], 2, "write NAME=FROM..TO/N"),
         (&["c.burgeon", "--sweep", "w=0..1/1"], 2, "`1` is no number of values"),
@@ -129,6 +129,11 @@ fn what_is_wrong_with_several_curves_is_said() {
         (&["c.burgeon", "--sweep", "w=0..0.5/9000000"], 2, "w takes more than 1048576 values"),
         (&["c.burgeon", "--sweep", "w=0..0.5/90000", "--seeds", "90"], 2, "these are 8,100,000 curves"),
         (&["c.burgeon", "--seeds", "0"], 2, "--seeds"),
+        (
+            &["c.burgeon", "--seeds", "900000", "--max-memory", "50M"],
+            3,
+            "the axiom alone needs at least 82.40 MiB for 2,700,000 modules",
+        ),
         (&["p.burgeon", "--seeds", "2"], 2, "--seeds is for curves"),
         (&["one.burgeon", "--each"], 2, "--each: the axiom of c takes curve 0 of points.csv alone"),
         (&["until.burgeon", "--seeds", "2"], 1, "`until terminal` beside random numbers or `step`"),

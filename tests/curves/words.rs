@@ -45,7 +45,7 @@ fn start(system: &System, n: usize) -> Start {
     } else {
         n as f32 / 64.0
     };
-    Start { axiom, set: vec![("w".to_string(), Value::Float(w))], seed: 1000 + n as u32 }
+    Start { axiom: axiom.into(), set: vec![("w".to_string(), Value::Float(w))], seed: 1000 + n as u32 }
 }
 
 fn words<B: Backend>(plan: &Plan, words: &Words, backend: &mut B) -> Result<Vec<Word>, B::Error> {
@@ -137,7 +137,7 @@ fn what_is_wrong_with_several_words_is_said() {
         "word 1 has another schedule than word 0: the params in the counts of `run:` must be the same"
     );
     let alone =
-        derive(&together, &start(&system, 1).axiom, &[Value::Float(0.5)], &Options::default(), &mut cpu);
+        derive(&together, &*start(&system, 1).axiom, &[Value::Float(0.5)], &Options::default(), &mut cpu);
     assert_eq!(
         alone.err().map(wrong).as_deref(),
         Some("a plan of words takes several of them: curve::Words")

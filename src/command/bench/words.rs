@@ -129,7 +129,7 @@ fn one_by_one(plan: &Plan) -> Result<Case<'_>, Failure> {
             let uniforms = plan.uniforms(&word.set).map_err(of_plan)?;
             // A pool of threads for each word would take longer than the word.
             let mut cpu = Cpu::new(plan, &uniforms, 1).map_err(of_plan)?;
-            derive::derive(plan, &word.axiom, &uniforms, &Options::default(), &mut cpu).map_err(of_plan)?;
+            derive::derive(plan, &*word.axiom, &uniforms, &Options::default(), &mut cpu).map_err(of_plan)?;
         }
         Ok(start.elapsed())
     };
