@@ -45,6 +45,7 @@ fn chosen() -> Vec<Case> {
         "scan, compact: 16 × 64",
         "operations on int and bool",
         "operations on float",
+        "infinities and NaN",
         "operations on vec2",
         "operations on vec3",
         "operations on vec4",

@@ -118,7 +118,6 @@ fn job(text: &str) -> (Plan, Axiom) {
 
 #[test]
 fn random_expressions_are_alike_on_cpu_and_gpu() {
-    let (mut unbounded, mut elements) = (0, 0);
     for (name, engine) in device::engines() {
         for seed in 0..16 {
             let text = text(seed);
@@ -131,12 +130,8 @@ fn random_expressions_are_alike_on_cpu_and_gpu() {
             if let Err(e) = result.and_then(|d| collect(&plan, &mut pair, &d)) {
                 panic!("{name}: {e}\n{text}");
             }
-            unbounded += pair.unbounded;
-            elements += pair.elements;
         }
     }
-    // What nothing is known of is no comparison: it must be rare.
-    assert!(unbounded * 100 <= elements, "{unbounded} of {elements} words have no bound");
 }
 
 /// The values of a text's axiom and of its rule's arguments in f64, by the oracle.
@@ -178,6 +173,95 @@ fn truth(text: &str) -> Vec<Vec<OracleValue>> {
         successor.args.iter().flatten().map(|arg| evaluate(arg, &scope).settle()).collect()
     };
     starts.expect("an axiom").iter().map(of_start).collect()
+}
+
+/// What the table says of infinities and of what is not a number, value by value, as the host computes it; that the
+/// devices do is a case of the conformance suite.
+#[test]
+fn infinities_and_nan_have_their_stated_values() {
+    const NAN: f32 = f32::NAN;
+    const INF: f32 = f32::INFINITY;
+    let value = |name: &str, args: &[f32]| {
+        let op = burgeon::language::ops::find(name, &vec![Type::Float; args.len()]).expect("a row");
+        let words: Vec<u32> = args.iter().map(|x| x.to_bits()).collect();
+        let word = op.row().cpu.and_then(|cpu| cpu.word(&words)).expect("a value");
+        match op.row().result {
+            Type::Float => f64::from(f32::from_bits(word)),
+            Type::Int => f64::from(word as i32),
+            _ => f64::from(word),
+        }
+    };
+    let (inf, nan) = (f64::from(INF), f64::from(NAN));
+    let half_pi = std::f64::consts::FRAC_PI_2;
+    let cases: &[(&str, &[f32], f64)] = &[
+        ("==", &[NAN, NAN], 0.0),
+        ("!=", &[NAN, NAN], 1.0),
+        ("==", &[-0.0, 0.0], 1.0),
+        ("==", &[INF, INF], 1.0),
+        ("<", &[NAN, 1.0], 0.0),
+        ("<", &[1.0, NAN], 0.0),
+        ("<=", &[NAN, NAN], 0.0),
+        (">", &[NAN, 1.0], 0.0),
+        (">=", &[1.0, NAN], 0.0),
+        ("<", &[-INF, f32::MIN], 1.0),
+        (">", &[INF, f32::MAX], 1.0),
+        ("+", &[INF, -INF], nan),
+        ("-", &[INF, INF], nan),
+        ("-", &[INF, -INF], inf),
+        ("+", &[INF, 1.0], inf),
+        ("*", &[INF, 0.0], nan),
+        ("*", &[INF, -2.0], -inf),
+        ("/", &[1.0, 0.0], inf),
+        ("/", &[1.0, -0.0], -inf),
+        ("/", &[-3.0, 0.0], -inf),
+        ("/", &[0.0, 0.0], nan),
+        ("/", &[INF, INF], nan),
+        ("/", &[2.0, INF], 0.0),
+        ("-", &[NAN], nan),
+        ("int", &[NAN], 0.0),
+        ("int", &[INF], 2147483520.0),
+        ("int", &[-INF], -2147483648.0),
+        ("int", &[4294967296.0], 2147483520.0),
+        ("abs", &[-INF], inf),
+        ("abs", &[NAN], nan),
+        ("sign", &[NAN], 0.0),
+        ("sign", &[-INF], -1.0),
+        ("min", &[NAN, 1.0], nan),
+        ("min", &[1.0, NAN], 1.0),
+        ("max", &[NAN, 1.0], nan),
+        ("max", &[1.0, NAN], 1.0),
+        ("max", &[INF, 1.0], inf),
+        ("clamp", &[NAN, 0.0, 1.0], nan),
+        ("clamp", &[INF, 0.0, 1.0], 1.0),
+        ("floor", &[-INF], -inf),
+        ("round", &[NAN], nan),
+        ("sqrt", &[-1.0], nan),
+        ("sqrt", &[INF], inf),
+        ("step", &[0.0, NAN], 1.0),
+        ("exp", &[INF], f64::from(elementary::exp(88.0))),
+        ("exp", &[NAN], nan),
+        ("log", &[INF], inf),
+        ("log", &[-INF], f64::from(f32::MIN)),
+        ("log", &[NAN], nan),
+        ("log2", &[INF], inf),
+        ("pow", &[NAN, 0.0], 1.0),
+        ("pow", &[2.0, NAN], nan),
+        ("pow", &[0.5, INF], f64::from(elementary::exp(-87.0))),
+        ("sin", &[INF], nan),
+        ("cos", &[NAN], nan),
+        ("tan", &[-INF], nan),
+        ("atan", &[INF], half_pi),
+        ("atan2", &[INF, INF], half_pi / 2.0),
+        ("atan2", &[1.0, -INF], 2.0 * half_pi),
+        ("atan2", &[NAN, 1.0], nan),
+        ("asin", &[NAN], nan),
+        ("asin", &[INF], half_pi),
+    ];
+    for (name, args, expected) in cases {
+        let found = value(name, args);
+        let same = found == *expected || found.is_nan() && expected.is_nan();
+        assert!(same || (found - expected).abs() < 1e-6, "{name}{args:?} is {found}, not {expected}");
+    }
 }
 
 #[test]
@@ -232,6 +316,9 @@ fn random_expressions_are_near_the_oracle() {
                         _ if truth.is_nan() || truth.abs() > 1e36 => continue,
                         (_, Known::Any) => continue,
                         (_, Known::Near { radius: f32::INFINITY, .. }) => continue,
+                        (_, Known::Between { low, high, .. }) => {
+                            (f64::from(low)..=f64::from(high)).contains(&truth)
+                        }
                         (Value::Int(i), _) => f64::from(*i) == truth,
                         (Value::Bool(b), _) => f64::from(*b) == truth,
                         (_, Known::Near { value, radius }) => {

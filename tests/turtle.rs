@@ -294,7 +294,6 @@ fn difference(engine: &Engine) -> Option<String> {
             if let Err(e) = derive(&run.plan, &run.axiom, &uniforms, &options, &mut pair) {
                 return Some(format!("{}: {e}", run.plan.system.name));
             }
-            assert!(pair.unbounded == 0, "every float of a trace has a bound");
         }
     }
     linked::difference(engine)

@@ -131,7 +131,8 @@ fn equal(test: &Equal) -> String {
         };
         if float && operand.scalar() != Scalar::Float { format!("f32({value})") } else { value }
     };
-    format!("{} == {}", side(test.a), side(test.b))
+    let (a, b) = (side(test.a), side(test.b));
+    if float { format!("is_equal({a}, {b})") } else { format!("{a} == {b}") }
 }
 
 /// A place as the body of a search names it.
@@ -445,8 +446,10 @@ impl<'a> Values<'a> {
 
     /// The node as a word of a record.
     fn word(&self, id: NodeId) -> String {
-        match self.graph.scalar(id) {
-            Scalar::Bool => format!("select(0u, 1u, {})", self.texts[id]),
+        match (self.graph.nodes[id], self.graph.scalar(id)) {
+            // No constant of WGSL may be infinite or not a number.
+            (Node::Literal(Scalar::Float, word), _) => format!("{word}u"),
+            (_, Scalar::Bool) => format!("select(0u, 1u, {})", self.texts[id]),
             _ => format!("bitcast<u32>({})", self.texts[id]),
         }
     }

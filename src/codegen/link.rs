@@ -27,6 +27,7 @@ const FILES: &[(&str, &str)] = files![
     "shared/halving"
     "shared/links"
     "shared/motion"
+    "shared/numbers"
     "shared/ops"
     "shared/prefix"
     "shared/progress"

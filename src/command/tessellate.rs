@@ -10,7 +10,7 @@ use burgeon::patch::{Net, Word};
 use burgeon::plan::{self, Plan};
 use burgeon::tessellate::lattice::MAX_DEPTH;
 use burgeon::tessellate::level::LEAST_TOLERANCE;
-use burgeon::tessellate::{Complete, Level, Measure, Options, Topology};
+use burgeon::tessellate::{Complete, Level, Measure, Options, Topology, bound};
 use std::time::Instant;
 
 /// What is tessellated, and how finely.
@@ -182,6 +182,7 @@ pub fn make(
     if work.nets.is_empty() {
         return Ok(Surface { complete: Complete::default(), ms: milliseconds(start) });
     }
+    say_rounding(work, bar);
     let complete = match device {
         #[cfg(feature = "gpu")]
         Some(device) => on_gpu(work, device, bar),
@@ -196,6 +197,25 @@ pub fn make(
         bar.say(&format!("note: where cells were halved {times} times the tolerance may not be kept{help}"));
     }
     Ok(Surface { complete, ms: milliseconds(start) })
+}
+
+/// A note where rounding is no small part of the tolerance, as it is far from the origin.
+fn say_rounding(work: &Work, bar: &Bar) {
+    let Measure::World = work.level.measure else { return };
+    let (mut size, mut far) = (0.0f32, 0.0f32);
+    for b in work.nets.iter().filter_map(|net| bounds(std::iter::once(net))) {
+        for k in 0..3 {
+            size = size.max(b.max[k] - b.min[k]);
+            far = far.max(b.max[k].abs()).max(b.min[k].abs());
+        }
+    }
+    let (rounding, tolerance) = (bound::rounding(size, far), work.level.tolerance);
+    if rounding > tolerance * 0.01 {
+        bar.say(&format!(
+            "note: rounding adds up to {rounding:.1e} to the tolerance of {tolerance}: so far apart are numbers of single \
+             precision at {far}"
+        ));
+    }
 }
 
 #[cfg(feature = "gpu")]

@@ -185,6 +185,37 @@ const POSITIVE: [f32; 16] =
 /// Modules: all pairs of the numbers above.
 const MODULES: usize = 256;
 
+/// What is infinite, not a number, or makes it of others, and some that do not.
+const SPECIALS: [f32; 16] = [
+    f32::NAN,
+    f32::INFINITY,
+    f32::NEG_INFINITY,
+    0.0,
+    -0.0,
+    1.0,
+    -1.0,
+    f32::MAX,
+    f32::MIN,
+    2.5,
+    -0.3,
+    8388609.0,
+    -2147483648.0,
+    4294967296.0,
+    -1e20,
+    1e-20,
+];
+
+/// Parameters of the module of [`specials`].
+const SPECIAL_FIELDS: [(&str, Type); 5] =
+    [("f", Type::Bool), ("a", Type::Int), ("x", Type::Float), ("y", Type::Float), ("z", Type::Float)];
+
+fn specials(n: usize) -> Vec<Value> {
+    let (i, j) = (n / 16, n % 16);
+    let mut values = vec![Value::Bool((i ^ j) & 1 == 1), Value::Int(INTS[i])];
+    values.extend([i, j, (7 * i + 3 * j + 5) % 16].map(|k| Value::Float(SPECIALS[k])));
+    values
+}
+
 /// Parameters of the module whose rows take scalars.
 const SCALARS: [(&str, Type); 14] = [
     ("a", Type::Int),
@@ -264,8 +295,20 @@ fn vector_of(row: &Row) -> Option<&Type> {
     row.args.iter().find(|ty| matches!(ty, Type::Vec2 | Type::Vec3 | Type::Vec4))
 }
 
+/// The same where all floats are [`SPECIALS`].
+fn special_argument(_: &Row, ty: &Type, k: usize) -> &'static str {
+    match ty {
+        Type::Bool => "f",
+        Type::Int => "a",
+        _ => ["x", "y", "z"][k],
+    }
+}
+
+/// What stands for the `k`th argument of a type.
+type Argument = fn(&Row, &Type, usize) -> &'static str;
+
 /// The row, called: `pow(t, s)`, and the parameters that stand in it.
-fn call(row: &Row) -> (String, Vec<&'static str>) {
+fn call(row: &Row, argument: Argument) -> (String, Vec<&'static str>) {
     let mut names = Vec::new();
     for (n, ty) in row.args.iter().enumerate() {
         let before = row.args[..n].iter().filter(|other| *other == ty).count();
@@ -290,14 +333,13 @@ fn distance(known: &[Known], cpu: &Value, gpu: &Value) -> f32 {
     let apart = known.iter().zip(cpu.words()).zip(gpu.words()).map(|((known, a), b)| match *known {
         _ if a == b => 0.0,
         Known::Near { radius, .. } if radius.is_finite() => {
-            let apart = (f32::from_bits(a) - f32::from_bits(b)).abs();
-            match apart {
-                // Equal but for the sign of zero.
+            match bound::distance(f32::from_bits(a), f32::from_bits(b)) {
+                // Equal but for the sign of zero, or the bits of what is not a number.
                 0.0 => 0.0,
-                _ if apart.is_nan() => f32::INFINITY,
-                _ => apart / radius,
+                apart => apart / radius,
             }
         }
+        Known::Between { .. } if known.allows(b) => 1.0,
         _ => f32::INFINITY,
     });
     apart.fold(0.0, f32::max)
@@ -306,7 +348,7 @@ fn distance(known: &[Known], cpu: &Value, gpu: &Value) -> f32 {
 /// Compares these rows, some at a time.
 fn compare(
     engine: &Engine,
-    fields: &[(&str, Type)],
+    (fields, argument): (&[(&str, Type)], Argument),
     rows: &[&Row],
     modules: &[Vec<Value>],
 ) -> Result<Compared, Trouble> {
@@ -322,7 +364,7 @@ fn compare(
         };
         let (batch, behind) = rest.split_at(rest.iter().take_while(fits).count().max(1));
         rest = behind;
-        let calls: Vec<_> = batch.iter().map(|row| call(row)).collect();
+        let calls: Vec<_> = batch.iter().map(|row| call(row, argument)).collect();
         let list = calls.iter().zip(batch).map(|(c, row)| (c.0.clone(), row.result.clone())).collect();
         let both = Expressions::new(fields, list).both(engine, Clock::default(), modules)?;
         for (n, (cpu, gpu)) in both.cpu.iter().zip(&both.gpu).enumerate() {
@@ -374,19 +416,24 @@ pub(super) fn cases() -> Vec<Case> {
         Case::new(name, move |engine, _| {
             let rows: Vec<&Row> = TABLE.iter().filter(|r| named(r) && chosen(r)).collect();
             let modules: Vec<_> = (0..MODULES).map(scalars).collect();
-            compare(engine, &SCALARS, &rows, &modules)
+            compare(engine, (&SCALARS, argument), &rows, &modules)
         })
     };
     let of_vectors = |ty: Type| {
         Case::new(format!("operations on {ty}"), move |engine, _| {
             let rows: Vec<&Row> = TABLE.iter().filter(|r| named(r) && vector_of(r) == Some(&ty)).collect();
             let modules: Vec<_> = (0..MODULES).map(|n| vectors(&ty, n)).collect();
-            compare(engine, &vector_fields(&ty), &rows, &modules)
+            compare(engine, (&vector_fields(&ty), argument), &rows, &modules)
         })
     };
     vec![
         of_scalars("operations on int and bool", takes_integers),
         of_scalars("operations on float", takes_floats),
+        Case::new("infinities and NaN", |engine, _| {
+            let rows: Vec<&Row> = TABLE.iter().filter(|r| named(r) && takes_floats(r)).collect();
+            let modules: Vec<_> = (0..MODULES).map(specials).collect();
+            compare(engine, (&SPECIAL_FIELDS, special_argument), &rows, &modules)
+        }),
         of_vectors(Type::Vec2),
         of_vectors(Type::Vec3),
         of_vectors(Type::Vec4),

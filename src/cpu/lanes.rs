@@ -200,7 +200,7 @@ impl Builder<'_> {
                     let nodes: Vec<NodeId> = args.iter().map(|list| list[k]).collect();
                     *register = self.lane(&nodes)?;
                 }
-                Op::Call { name: row.name, cpu, args: row.args.len(), registers }
+                Op::Call { name: row.symbol(), cpu, args: row.args.len(), registers }
             }
             _ => return None,
         };

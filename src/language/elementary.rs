@@ -3,9 +3,10 @@
 //! The functions of drivers and of the standard library differ in their last bits, or in many
 //! more. These are polynomials over operations that every device rounds alike; `wgsl/shared/
 //! elementary.wgsl` holds the same text in WGSL. What is left is what a compiler of shaders may
-//! reorder or fuse. The hashes are integers and equal to the bit. Errors are relative to the true
+//! reorder or fuse. Of what is not a number they give the same, and so do angles that are infinite. The hashes are integers and equal to the bit. Errors are relative to the true
 //! result in units in the last place (ulp), measured over the ranges named by the tests.
 
+use super::numbers::{NAN, clamped};
 use std::f32::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, LN_2, LOG2_E, PI};
 
 /// Quarter turns and the rest, in −π/4 … π/4 for |x| up to 8192; beyond, the rest loses its meaning
@@ -30,6 +31,9 @@ fn cos_of_rest(r: f32) -> f32 {
 
 /// Sine; within 2 ulp of 1 for |x| ≤ 8192.
 pub fn sin(x: f32) -> f32 {
+    if !x.is_finite() {
+        return NAN;
+    }
     let (q, r) = quarter_turns(x);
     if q == 0.0 {
         sin_of_rest(r)
@@ -44,6 +48,9 @@ pub fn sin(x: f32) -> f32 {
 
 /// Cosine; as [`sin`].
 pub fn cos(x: f32) -> f32 {
+    if !x.is_finite() {
+        return NAN;
+    }
     let (q, r) = quarter_turns(x);
     if q == 0.0 {
         cos_of_rest(r)
@@ -58,6 +65,9 @@ pub fn cos(x: f32) -> f32 {
 
 /// Tangent: [`sin`] / [`cos`].
 pub fn tan(x: f32) -> f32 {
+    if !x.is_finite() {
+        return NAN;
+    }
     sin(x) / cos(x)
 }
 
@@ -77,7 +87,10 @@ fn exp_of_rest(n: f32, r: f32) -> f32 {
 
 /// e^x, within 2 ulp; x is clamped to −87 … 88.
 pub fn exp(x: f32) -> f32 {
-    let x = x.clamp(-87.0, 88.0);
+    if x.is_nan() {
+        return NAN;
+    }
+    let x = clamped(x, -87.0, 88.0);
     let n = (x * LOG2_E).round_ties_even();
     let r = (x - n * 0.693_359_4) - n * -0.00021219444;
     exp_of_rest(n, r)
@@ -85,13 +98,19 @@ pub fn exp(x: f32) -> f32 {
 
 /// 2^x, within 2 ulp; x is clamped to −126 … 127.
 pub fn exp2(x: f32) -> f32 {
-    let x = x.clamp(-126.0, 127.0);
+    if x.is_nan() {
+        return NAN;
+    }
+    let x = clamped(x, -126.0, 127.0);
     let n = x.round_ties_even();
     exp_of_rest(n, (x - n) * LN_2)
 }
 
-/// Natural logarithm, within 2 ulp of its greater part; of 0 and less the least float.
+/// Natural logarithm, within 2 ulp of its greater part; of 0 and less the least float, of infinity infinity.
 pub fn log(x: f32) -> f32 {
+    if x.is_nan() || x == f32::INFINITY {
+        return x;
+    }
     if x <= 0.0 {
         return f32::MIN;
     }
@@ -121,22 +140,39 @@ pub fn log(x: f32) -> f32 {
 
 /// Logarithm to base 2.
 pub fn log2(x: f32) -> f32 {
-    log(x) * LOG2_E
+    let natural = log(x);
+    if natural.is_finite() { natural * LOG2_E } else { natural }
 }
 
 /// x^y for x ≥ 0 as e^(y·log x): its relative error grows with |y·log x|. Of 0 and less: 0, or 1 if y = 0.
+/// Beyond the range of [`exp`] it is clamped, as it is of infinities.
 pub fn pow(x: f32, y: f32) -> f32 {
     if y == 0.0 {
         return 1.0;
     }
+    if x.is_nan() || y.is_nan() {
+        return NAN;
+    }
     if x <= 0.0 {
         return 0.0;
+    }
+    if x == 1.0 {
+        return 1.0;
+    }
+    if x.is_infinite() || y.is_infinite() {
+        return exp(if (x > 1.0) == (y > 0.0) { 88.0 } else { -87.0 });
     }
     exp(y * log(x))
 }
 
 /// Arc tangent, within 2 ulp.
 pub fn atan(x: f32) -> f32 {
+    if x.is_nan() {
+        return NAN;
+    }
+    if x.is_infinite() {
+        return FRAC_PI_2.copysign(x);
+    }
     let a = x.abs();
     let mut base = 0.0;
     let mut t = a;
@@ -153,8 +189,14 @@ pub fn atan(x: f32) -> f32 {
     if x < 0.0 { -y } else { y }
 }
 
-/// The angle of the point (x, y), in −π … π; of the origin 0.
+/// The angle of the point (x, y), in −π … π; of the origin 0. Where a coordinate is infinite the direction is that of a
+/// point so far off: only such coordinates count, and two of them are as long.
 pub fn atan2(y: f32, x: f32) -> f32 {
+    if y.is_nan() || x.is_nan() {
+        return NAN;
+    }
+    let far = |c: f32| if c.is_infinite() { 1f32.copysign(c) } else { 0.0 };
+    let (y, x) = if y.is_infinite() || x.is_infinite() { (far(y), far(x)) } else { (y, x) };
     if x == 0.0 {
         return if y > 0.0 {
             FRAC_PI_2
@@ -173,13 +215,19 @@ pub fn atan2(y: f32, x: f32) -> f32 {
 
 /// Arc sine; x is clamped to −1 … 1.
 pub fn asin(x: f32) -> f32 {
-    let x = x.clamp(-1.0, 1.0);
+    if x.is_nan() {
+        return NAN;
+    }
+    let x = clamped(x, -1.0, 1.0);
     atan2(x, ((1.0 - x) * (1.0 + x)).sqrt())
 }
 
 /// Arc cosine; x is clamped to −1 … 1.
 pub fn acos(x: f32) -> f32 {
-    let x = x.clamp(-1.0, 1.0);
+    if x.is_nan() {
+        return NAN;
+    }
+    let x = clamped(x, -1.0, 1.0);
     atan2(((1.0 - x) * (1.0 + x)).sqrt(), x)
 }
 
@@ -232,7 +280,10 @@ fn between(a: f32, b: f32, t: f32) -> f32 {
 
 /// Gradient noise (Perlin 2002), −1 … 1, 0 at whole points; coordinates are clamped to ±2^20.
 pub fn noise(x: f32, y: f32, z: f32) -> f32 {
-    let p = [x, y, z].map(|c| c.clamp(-1048576.0, 1048576.0));
+    if x.is_nan() || y.is_nan() || z.is_nan() {
+        return NAN;
+    }
+    let p = [x, y, z].map(|c| clamped(c, -1048576.0, 1048576.0));
     let c = p.map(f32::floor);
     let d = [p[0] - c[0], p[1] - c[1], p[2] - c[2]];
     let t = d.map(fade);

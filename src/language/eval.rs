@@ -4,8 +4,9 @@
 //! backend runs yet it has functions of its own in f32, so that every constant folds.
 
 use super::elementary;
-use super::expr::{Expr, ExprKind, Value};
-use super::ops::{Op, Row};
+use super::expr::{Expr, ExprKind, Type, Value};
+use super::numbers::clamped;
+use super::ops::{self, Op, Row};
 use super::syntax::Span;
 
 /// Why an expression has no value on the host.
@@ -95,34 +96,17 @@ fn host(row: &Row, args: &[Value]) -> Option<Value> {
 }
 
 fn one(name: &str, a: &[f32]) -> Option<Value> {
-    let each = |f: fn(f32) -> f32| vector(&a.iter().map(|x| f(*x)).collect::<Vec<_>>());
     match name {
-        "-" => each(|x| -x),
-        "abs" => each(f32::abs),
-        "sign" => each(|x| if x == 0.0 { 0.0 } else { x.signum() }),
-        "floor" => each(f32::floor),
-        "ceil" => each(f32::ceil),
-        "round" => each(f32::round_ties_even),
-        "fract" => each(|x| x - x.floor()),
+        "fract" => components(a, &[0.0], |x, _| x - x.floor()),
         "length" => Some(Value::Float(length(a))),
-        "normalize" => {
-            let length = length(a);
-            vector(&a.iter().map(|x| x / length).collect::<Vec<_>>())
-        }
-        _ => None,
+        "normalize" => components(a, &[length(a)], |x, length| x / length),
+        _ => by_component(name, &[a]),
     }
 }
 
 fn two(name: &str, a: &[f32], b: &[f32]) -> Option<Value> {
-    let each = |f: fn(f32, f32) -> f32| vector(&pairs(a, b).map(|(x, y)| f(x, y)).collect::<Vec<_>>());
     match (name, a, b) {
-        ("+", ..) => each(|x, y| x + y),
-        ("-", ..) => each(|x, y| x - y),
-        ("*", ..) => each(|x, y| x * y),
-        ("/", ..) => each(|x, y| x / y),
-        ("%", ..) => each(|x, y| x - y * (x / y).trunc()),
-        ("min", ..) => each(f32::min),
-        ("max", ..) => each(f32::max),
+        ("%", ..) => components(a, b, |x, y| x - y * (x / y).trunc()),
         ("dot", ..) => Some(Value::Float(dot(a, b))),
         ("distance", ..) => {
             let difference: Vec<f32> = pairs(a, b).map(|(x, y)| x - y).collect();
@@ -134,27 +118,37 @@ fn two(name: &str, a: &[f32], b: &[f32]) -> Option<Value> {
             let (sin, cos) = sine_and_cosine(angle);
             Some(Value::Vec2([x * cos - y * sin, x * sin + y * cos]))
         }
-        _ => None,
+        _ => by_component(name, &[a, b]),
     }
 }
 
 fn three(name: &str, a: &[f32], b: &[f32], c: &[f32]) -> Option<Value> {
-    let each = |f: fn(f32, f32, f32) -> f32| {
-        vector(&pairs(a, b).zip(c.iter().cycle()).map(|((x, y), z)| f(x, y, *z)).collect::<Vec<_>>())
-    };
     match (name, b, c) {
-        ("clamp", ..) => each(|x, low, high| x.max(low).min(high)),
-        ("mix", ..) => each(|x, y, t| (x - x * t) + y * t),
-        ("smoothstep", ..) => {
-            // Its arguments are the two edges, then the place between them.
-            each(|low, high, x| {
-                let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
-                t * t * (3.0 - 2.0 * t)
-            })
-        }
+        ("mix", _, &[t]) => components(a, b, |x, y| (x - x * t) + y * t),
+        // Its arguments are the two edges, then the place between them.
+        ("smoothstep", &[high], &[x]) => components(a, &[high], |low, high| {
+            let t = clamped((x - low) / (high - low), 0.0, 1.0);
+            t * t * (3.0 - 2.0 * t)
+        }),
         ("rotate", _, &[angle]) => turn(a, b, angle).map(Value::Vec3),
-        _ => None,
+        _ => by_component(name, &[a, b, c]),
     }
+}
+
+/// The row of floats of that name for each component; a number goes with each component of a vector.
+fn by_component(name: &str, columns: &[&[f32]]) -> Option<Value> {
+    let cpu = ops::find(name, &vec![Type::Float; columns.len()]).ok()?.row().cpu?;
+    let length = columns.iter().map(|column| column.len()).max()?;
+    let word = |i: usize| {
+        let args: Option<Vec<u32>> =
+            columns.iter().map(|c| Some(c.get(i % c.len().max(1))?.to_bits())).collect();
+        cpu.word(&args?).map(f32::from_bits)
+    };
+    vector(&(0..length).map(word).collect::<Option<Vec<f32>>>()?)
+}
+
+fn components(a: &[f32], b: &[f32], f: impl Fn(f32, f32) -> f32) -> Option<Value> {
+    vector(&pairs(a, b).map(|(x, y)| f(x, y)).collect::<Vec<_>>())
 }
 
 /// Of an angle in degrees, as the backends have it.

@@ -8,6 +8,7 @@ pub mod eval;
 pub mod expr;
 pub mod lex;
 mod load;
+pub mod numbers;
 pub mod ops;
 pub mod parse;
 pub mod print;

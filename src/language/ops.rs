@@ -10,6 +10,7 @@
 
 use super::elementary;
 use super::expr::Type;
+use super::numbers::{self, plain};
 use std::collections::HashMap;
 use std::fmt;
 use std::sync::OnceLock;
@@ -60,6 +61,11 @@ impl fmt::Display for Row {
 }
 
 impl Row {
+    /// The name, of rows that no text can name, too: `+` of `+ #`.
+    pub fn symbol(&self) -> &'static str {
+        self.name.strip_suffix(" #").unwrap_or(self.name)
+    }
+
     /// Written between or before its arguments rather than with parentheses.
     pub fn is_operator(&self) -> bool {
         !self.name.starts_with(|c: char| c.is_ascii_alphabetic())
@@ -217,12 +223,6 @@ fn int_rem(x: i32, y: i32) -> i32 {
     if y == 0 { 0 } else { x.wrapping_rem(y) }
 }
 
-/// Towards zero; beyond i32 the nearest that both f32 and i32 hold, which is what `clamp` and
-/// `i32` give in WGSL. Not a number gives 0.
-fn float_to_int(x: f32) -> i32 {
-    x.clamp(-2147483648.0, 2147483520.0) as i32
-}
-
 /// All operations. Rows of one name differ in arity or types; of rows with promotions
 /// (int → float) the one with the fewest is taken, the earlier at a tie.
 pub static TABLE: &[Row] = table! {
@@ -232,31 +232,31 @@ pub static TABLE: &[Row] = table! {
         "!" (a: Bool) -> Bool, "(!{0})", !a, "It does not hold.";
         "==" (a: Bool, b: Bool) -> Bool, "({0} == {1})", a == b, "Equal.";
         "==" (a: Int, b: Int) -> Bool, "({0} == {1})", a == b, "Equal.";
-        "==" (a: Float, b: Float) -> Bool, "({0} == {1})", a == b, "Equal, exactly.";
+        "==" (a: Float, b: Float) -> Bool, "is_equal({0}, {1})", a == b, "Equal, exactly.";
         "!=" (a: Bool, b: Bool) -> Bool, "({0} != {1})", a != b, "Not equal.";
         "!=" (a: Int, b: Int) -> Bool, "({0} != {1})", a != b, "Not equal.";
-        "!=" (a: Float, b: Float) -> Bool, "({0} != {1})", a != b, "Not equal.";
+        "!=" (a: Float, b: Float) -> Bool, "(!is_equal({0}, {1}))", a != b, "Not equal.";
         "<" (a: Int, b: Int) -> Bool, "({0} < {1})", a < b, "Less.";
-        "<" (a: Float, b: Float) -> Bool, "({0} < {1})", a < b, "Less.";
+        "<" (a: Float, b: Float) -> Bool, "is_less({0}, {1})", a < b, "Less.";
         "<=" (a: Int, b: Int) -> Bool, "({0} <= {1})", a <= b, "Less or equal.";
-        "<=" (a: Float, b: Float) -> Bool, "({0} <= {1})", a <= b, "Less or equal.";
+        "<=" (a: Float, b: Float) -> Bool, "is_at_most({0}, {1})", a <= b, "Less or equal.";
         ">" (a: Int, b: Int) -> Bool, "({0} > {1})", a > b, "Greater.";
-        ">" (a: Float, b: Float) -> Bool, "({0} > {1})", a > b, "Greater.";
+        ">" (a: Float, b: Float) -> Bool, "is_less({1}, {0})", a > b, "Greater.";
         ">=" (a: Int, b: Int) -> Bool, "({0} >= {1})", a >= b, "Greater or equal.";
-        ">=" (a: Float, b: Float) -> Bool, "({0} >= {1})", a >= b, "Greater or equal.";
+        ">=" (a: Float, b: Float) -> Bool, "is_at_most({1}, {0})", a >= b, "Greater or equal.";
         "+" (a: Int, b: Int) -> Int, "({0} + {1})", a.wrapping_add(b), "Sum; wraps.";
-        "+" (a: Float, b: Float) -> Float, "({0} + {1})", a + b, "Sum.";
+        "+" (a: Float, b: Float) -> Float, "sum_of({0}, {1})", plain(a + b), "Sum.";
         "-" (a: Int, b: Int) -> Int, "({0} - {1})", a.wrapping_sub(b), "Difference; wraps.";
-        "-" (a: Float, b: Float) -> Float, "({0} - {1})", a - b, "Difference.";
+        "-" (a: Float, b: Float) -> Float, "difference_of({0}, {1})", plain(a - b), "Difference.";
         "-" (a: Int) -> Int, "(-({0}))", a.wrapping_neg(), "Negation; wraps.";
-        "-" (a: Float) -> Float, "(-({0}))", -a, "Negation.";
+        "-" (a: Float) -> Float, "negative_of({0})", plain(-a), "Negation.";
         "*" (a: Int, b: Int) -> Int, "({0} * {1})", a.wrapping_mul(b), "Product; wraps.";
-        "*" (a: Float, b: Float) -> Float, "({0} * {1})", a * b, "Product.";
+        "*" (a: Float, b: Float) -> Float, "scalar_product({0}, {1})", plain(a * b), "Product.";
         "/" (a: Int, b: Int) -> Int, "int_div({0}, {1})", int_div(a, b), "Quotient towards zero; x / 0 = x.";
-        "/" (a: Float, b: Float) -> Float, "({0} / {1})", a / b, "Quotient.";
+        "/" (a: Float, b: Float) -> Float, "quotient_of({0}, {1})", plain(a / b), "Quotient; x / 0 is infinite, 0 / 0 is NaN.";
         "%" (a: Int, b: Int) -> Int, "int_rem({0}, {1})", int_rem(a, b), "Remainder, with the sign of the first; x % 0 = 0.";
         "int" (x: Int) -> Int, "({0})", x, "Itself.";
-        "int" (x: Float) -> Int, "i32(clamp({0}, -2147483648.0, 2147483520.0))", float_to_int(x), "Towards zero; clamped to the range of int.";
+        "int" (x: Float) -> Int, "to_int({0})", numbers::to_int(x), "Towards zero; clamped to the range of int; 0 of NaN.";
         "int" (x: Bool) -> Int, "i32({0})", x as i32, "1 or 0.";
         "float" (x: Float) -> Float, "({0})", x, "Itself.";
         "float" (x: Int) -> Float, "f32({0})", x as f32, "The nearest float.";
@@ -265,20 +265,20 @@ pub static TABLE: &[Row] = table! {
         "if" (condition: Bool, then: Int, otherwise: Int) -> Int, "select({2}, {1}, {0})", if condition { then } else { otherwise }, "One of two values; both are evaluated.";
         "if" (condition: Bool, then: Float, otherwise: Float) -> Float, "select({2}, {1}, {0})", if condition { then } else { otherwise }, "One of two values; both are evaluated.";
         "abs" (x: Int) -> Int, "abs({0})", x.wrapping_abs(), "Absolute value; wraps.";
-        "abs" (x: Float) -> Float, "abs({0})", x.abs(), "Absolute value.";
+        "abs" (x: Float) -> Float, "of_bits(magnitude({0}))", x.abs(), "Absolute value.";
         "sign" (x: Int) -> Int, "sign({0})", x.signum(), "-1, 0 or 1.";
-        "sign" (x: Float) -> Float, "sign({0})", if x > 0.0 { 1.0 } else if x < 0.0 { -1.0 } else { 0.0 }, "-1, 0 or 1.";
+        "sign" (x: Float) -> Float, "sign_of({0})", if x > 0.0 { 1.0 } else if x < 0.0 { -1.0 } else { 0.0 }, "-1, 0 or 1; 0 of NaN.";
         "min" (a: Int, b: Int) -> Int, "min({0}, {1})", a.min(b), "The lesser.";
-        "min" (a: Float, b: Float) -> Float, "min({0}, {1})", if b < a { b } else { a }, "The lesser.";
+        "min" (a: Float, b: Float) -> Float, "least_of({0}, {1})", numbers::least(a, b), "The lesser; the first where one is NaN.";
         "max" (a: Int, b: Int) -> Int, "max({0}, {1})", a.max(b), "The greater.";
-        "max" (a: Float, b: Float) -> Float, "max({0}, {1})", if a < b { b } else { a }, "The greater.";
+        "max" (a: Float, b: Float) -> Float, "greatest_of({0}, {1})", numbers::greatest(a, b), "The greater; the first where one is NaN.";
         "clamp" (x: Int, low: Int, high: Int) -> Int, "min(max({0}, {1}), {2})", x.max(low).min(high), "x, but at least low and at most high.";
-        "clamp" (x: Float, low: Float, high: Float) -> Float, "min(max({0}, {1}), {2})", { let y = if x < low { low } else { x }; if high < y { high } else { y } }, "x, but at least low and at most high.";
-        "floor" (x: Float) -> Float, "floor({0})", x.floor(), "The greatest whole number not above.";
-        "ceil" (x: Float) -> Float, "ceil({0})", x.ceil(), "The least whole number not below.";
-        "round" (x: Float) -> Float, "round({0})", x.round_ties_even(), "The nearest whole number; halves go to the even one.";
-        "trunc" (x: Float) -> Float, "trunc({0})", x.trunc(), "Towards zero.";
-        "sqrt" (x: Float) -> Float, "sqrt({0})", x.sqrt(), "Square root.";
+        "clamp" (x: Float, low: Float, high: Float) -> Float, "clamped({0}, {1}, {2})", numbers::clamped(x, low, high), "x, but at least low and at most high.";
+        "floor" (x: Float) -> Float, "whole_below({0})", x.floor(), "The greatest whole number not above.";
+        "ceil" (x: Float) -> Float, "whole_above({0})", x.ceil(), "The least whole number not below.";
+        "round" (x: Float) -> Float, "nearest_whole({0})", x.round_ties_even(), "The nearest whole number; halves go to the even one.";
+        "trunc" (x: Float) -> Float, "whole_part({0})", x.trunc(), "Towards zero.";
+        "sqrt" (x: Float) -> Float, "square_root({0})", plain(x.sqrt()), "Square root; NaN of what is below 0.";
         "pow" (x: Float, y: Float) -> Float, "portable_pow({0}, {1})", elementary::pow(x, y), "x to the power y, for x >= 0.";
         "exp" (x: Float) -> Float, "portable_exp({0})", elementary::exp(x), "e to the power x.";
         "exp2" (x: Float) -> Float, "portable_exp2({0})", elementary::exp2(x), "2 to the power x.";
@@ -291,9 +291,14 @@ pub static TABLE: &[Row] = table! {
         "acos" (x: Float) -> Float, "portable_acos({0})", elementary::acos(x), "Arc cosine, in radians.";
         "atan" (x: Float) -> Float, "portable_atan({0})", elementary::atan(x), "Arc tangent, in radians.";
         "atan2" (y: Float, x: Float) -> Float, "portable_atan2({0}, {1})", elementary::atan2(y, x), "Angle of the point (x, y), in radians.";
-        "radians" (x: Float) -> Float, "({0} * 0.017453292)", x * 0.017453292, "Degrees to radians.";
-        "degrees" (x: Float) -> Float, "({0} * 57.29578)", x * 57.29578, "Radians to degrees.";
-        "step" (edge: Float, x: Float) -> Float, "select(1.0, 0.0, {1} < {0})", if x < edge { 0.0 } else { 1.0 }, "0 below the edge, 1 from it on.";
+        "radians" (x: Float) -> Float, "scalar_product({0}, 0.017453292)", plain(x * 0.017453292), "Degrees to radians.";
+        "degrees" (x: Float) -> Float, "scalar_product({0}, 57.29578)", plain(x * 57.29578), "Radians to degrees.";
+        "step" (edge: Float, x: Float) -> Float, "select(1.0, 0.0, is_less({1}, {0}))", if x < edge { 0.0 } else { 1.0 }, "0 below the edge, 1 from it on.";
+        "+ #" (a: Float, b: Float) -> Float, "({0} + {1})", a + b, "Sum of components.";
+        "- #" (a: Float, b: Float) -> Float, "({0} - {1})", a - b, "Difference of components.";
+        "- #" (a: Float) -> Float, "(-({0}))", -a, "Negation of a component.";
+        "* #" (a: Float, b: Float) -> Float, "({0} * {1})", a * b, "Product of components.";
+        "/ #" (a: Float, b: Float) -> Float, "({0} / {1})", a / b, "Quotient of a component by a number that is not 0.";
         "noise #" (x: Float, y: Float, z: Float) -> Float, "gradient_noise({0}, {1}, {2})", elementary::noise(x, y, z), "Gradient noise by components; written `noise(p)`.";
         "hash #" (state: Int, word: Int) -> Int, "bitcast<i32>(hash_word(bitcast<u32>({0}), bitcast<u32>({1})))", elementary::hash(state as u32, word as u32) as i32, "Mixes a word into a hash; behind `rand`.";
         "scale #" (hash: Int, total: Int) -> Int, "bitcast<i32>(scale_word(bitcast<u32>({0}), bitcast<u32>({1})))", elementary::scale(hash as u32, total as u32) as i32, "A hash spread over 0 to total - 1; behind the draw among alternatives.";

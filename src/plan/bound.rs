@@ -19,16 +19,22 @@ use crate::language::ops::Op;
 pub enum Known {
     /// The same word everywhere.
     Exact(u32),
-    /// Within `radius` of `value`; infinite where nothing is known.
+    /// Within `radius` of `value`; infinite where nothing is known. Of a value that is not finite any of its kind.
     Near { value: f32, radius: f32 },
-    /// An int or bool on the far side of a float that could be either.
+    /// An int, or a bool as 0 or 1, that comes of a float: `own` on this machine, elsewhere from `low` to `high`.
+    Between { own: i32, low: i32, high: i32 },
+    /// An int or bool of which nothing is known.
     Any,
 }
 
 impl Known {
     fn near(value: f32, radius: f32) -> Known {
-        let radius = if value.is_finite() && !radius.is_nan() { radius } else { f32::INFINITY };
-        Known::Near { value, radius }
+        Known::Near { value, radius: if radius.is_nan() { f32::INFINITY } else { radius } }
+    }
+
+    /// Whether anything is known.
+    pub fn is_bounded(self) -> bool {
+        !matches!(self, Known::Any | Known::Near { radius: f32::INFINITY, .. })
     }
 
     /// Whether another machine may have this word.
@@ -36,9 +42,9 @@ impl Known {
         match self {
             Known::Any => true,
             Known::Exact(own) => own == word,
+            Known::Between { low, high, .. } => (low..=high).contains(&(word as i32)),
             Known::Near { value, radius } => {
-                let other = f32::from_bits(word);
-                value.to_bits() == word || radius == f32::INFINITY || (other - value).abs() <= radius
+                radius == f32::INFINITY || distance(value, f32::from_bits(word)) <= radius
             }
         }
     }
@@ -48,9 +54,18 @@ impl Known {
         match self {
             Known::Exact(own) => own == word,
             Known::Near { value, radius } => radius == 0.0 && value.to_bits() == word,
-            Known::Any => false,
+            Known::Between { .. } | Known::Any => false,
         }
     }
+}
+
+/// How far two floats are apart; 0 where both are not a number, or the same infinity.
+pub fn distance(a: f32, b: f32) -> f32 {
+    if a == b || a.is_nan() && b.is_nan() {
+        return 0.0;
+    }
+    let apart = (a - b).abs();
+    if apart.is_nan() { f32::INFINITY } else { apart }
 }
 
 /// What a module's expressions read.
@@ -173,13 +188,20 @@ fn indexed(ty: Scalar, index: Known, at: impl Fn(u32) -> u32) -> Known {
     }
 }
 
+/// Ints that are tried one by one.
+const MOST_CANDIDATES: i64 = 4;
+
 /// The words that an argument may have, its own first; none where they cannot be listed.
 fn candidates(ty: &Type, arg: Known) -> Option<Vec<u32>> {
     match (arg, ty) {
         (Known::Exact(word), _) => Some(vec![word]),
-        (Known::Any, Type::Bool) => Some(vec![0, 1]),
+        (Known::Near { value, radius }, _) if radius == 0.0 => Some(vec![value.to_bits()]),
         (Known::Near { value, radius }, _) if radius.is_finite() => {
             Some([value, value - radius, value + radius].map(f32::to_bits).to_vec())
+        }
+        (Known::Between { own, low, high }, _) if i64::from(high) - i64::from(low) < MOST_CANDIDATES => {
+            let others = (low..=high).filter(|&i| i != own);
+            Some(std::iter::once(own).chain(others).map(|i| i as u32).collect())
         }
         _ => None,
     }
@@ -206,13 +228,20 @@ fn call(op: Op, args: &[Known]) -> Known {
     let words: Option<Vec<u32>> = outcomes.iter().map(|words| cpu.word(words)).collect();
     let Some(words) = words else { return unknown(result) };
     if result != Scalar::Float {
-        return if words.iter().all(|w| *w == words[0]) { Known::Exact(words[0]) } else { Known::Any };
+        let own = words[0] as i32;
+        let (low, high) = words.iter().fold((own, own), |(l, h), &w| (l.min(w as i32), h.max(w as i32)));
+        // Of a hash nothing is known between two values.
+        return match low == high {
+            true => Known::Exact(words[0]),
+            false if row.name.ends_with('#') => Known::Any,
+            false => Known::Between { own, low, high },
+        };
     }
     let value = f32::from_bits(words[0]);
-    let moved = words
-        .iter()
-        .map(|w| (f32::from_bits(*w) - value).abs())
-        .fold(0.0, |a: f32, b| if b.is_nan() { f32::INFINITY } else { a.max(b) });
+    let moved = words.iter().map(|w| distance(f32::from_bits(*w), value)).fold(0.0, f32::max);
+    if !value.is_finite() {
+        return Known::near(value, moved);
+    }
     let own = rounding(row.name, row.wgsl, value);
     if moved == 0.0 && own == 0.0 { Known::Exact(words[0]) } else { Known::near(value, moved * 1.01 + own) }
 }
@@ -223,7 +252,7 @@ fn touches_a_jump(name: &str, args: &[Known]) -> bool {
     let value = |k: &Known| match *k {
         Known::Near { value, .. } => value,
         Known::Exact(word) => f32::from_bits(word),
-        Known::Any => 0.0,
+        Known::Between { .. } | Known::Any => 0.0,
     };
     match (name, args) {
         // Two floats that may be equal, or not.
@@ -244,6 +273,8 @@ fn rounding(name: &str, wgsl: &str, value: f32) -> f32 {
     match name {
         "abs" | "min" | "max" | "clamp" | "floor" | "ceil" | "round" | "trunc" | "sign" | "if" | "float"
         | "unit #" => 0.0,
+        // Bits are changed, or picked.
+        "-" if wgsl.starts_with("negative") => 0.0,
         "pow" => 64.0 * EPSILON * value.abs() * (1.0 + value.abs().max(f32::MIN_POSITIVE).ln().abs()),
         _ if wgsl.starts_with("portable_") || wgsl.starts_with("gradient_noise") => {
             64.0 * EPSILON * value.abs().max(1.0)
@@ -252,8 +283,9 @@ fn rounding(name: &str, wgsl: &str, value: f32) -> f32 {
     }
 }
 
-/// The rule ids that a conforming machine may give a module.
-pub fn possible_rules(stage: &Stage, module: &Module) -> Vec<u32> {
+/// The rule ids that a conforming machine may give a module, and whether all that decides between them is bounded.
+pub fn possible_rules(stage: &Stage, module: &Module) -> (Vec<u32>, bool) {
+    let mut bounded = true;
     let symbol = (module.record[0] & 0xffff) as usize;
     let mut possible = Vec::new();
     for &id in &stage.by_symbol[symbol] {
@@ -263,6 +295,7 @@ pub fn possible_rules(stage: &Stage, module: &Module) -> Vec<u32> {
         if guards(0) > 0 {
             continue;
         }
+        bounded &= code.guards.iter().chain(&code.choice).all(|&g| known[g].is_bounded());
         let sure = guards(1) == code.guards.len();
         let drawn = match code.choice.map(|c| known[c]) {
             None => vec![0],
@@ -274,6 +307,8 @@ pub fn possible_rules(stage: &Stage, module: &Module) -> Vec<u32> {
             let all = |test: &dyn Fn(Known, u32) -> bool| {
                 args.is_some_and(|a| a.iter().all(|&(node, at)| test(known[node], module.record[at])))
             };
+            let decide = |&(node, _): &(usize, usize)| known[node].is_bounded();
+            bounded &= args.is_none_or(|a| a.iter().all(decide));
             if all(&Known::allows) {
                 possible.push(stage.idle(symbol));
             }
@@ -282,11 +317,11 @@ pub fn possible_rules(stage: &Stage, module: &Module) -> Vec<u32> {
             }
         }
         if sure {
-            return possible;
+            return (possible, bounded);
         }
     }
     possible.push(stage.idle(symbol));
-    possible
+    (possible, bounded)
 }
 
 /// How far each word of a module's measured attributes may be off: so many roundings of the greatest

@@ -108,8 +108,6 @@ pub struct Pair<'a, L: Replay, R: Traced> {
     pub rounding: f32,
     /// Modules for which a condition near its threshold fell differently.
     pub replayed: u64,
-    /// Words that differ and of whose expression nothing is known: an overflow, a quotient by what may be 0.
-    pub unbounded: u64,
     given: Arc<Given>,
     /// The greatest coordinate of the turtle in this word so far.
     reach: f32,
@@ -132,7 +130,6 @@ impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
             elements: 0,
             rounding: 0.0,
             replayed: 0,
-            unbounded: 0,
             given: Arc::default(),
             reach: 0.0,
         }
@@ -190,18 +187,17 @@ impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
     }
 
     /// Whether a word of this machine may be another one there.
+    /// A difference that nothing bounds is one.
     fn allows(&mut self, known: Known, own: u32, other: u32) -> bool {
-        if let Known::Near { radius: f32::INFINITY, .. } | Known::Any = known {
-            self.unbounded += 1;
-        } else if let Known::Near { radius, .. } = known
+        if let Known::Near { radius, .. } = known
             && radius > 0.0
         {
-            let apart = (f32::from_bits(own) - f32::from_bits(other)).abs();
-            if apart <= radius {
+            let apart = bound::distance(f32::from_bits(own), f32::from_bits(other));
+            if apart <= radius && radius.is_finite() {
                 self.rounding = self.rounding.max(apart / radius);
             }
         }
-        known.allows(other)
+        known.is_bounded() && known.allows(other)
     }
 
     /// Compares what was measured and matched. True where the two may, and do, differ: then the left
@@ -269,7 +265,8 @@ impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
                     linked,
                     index: i as u32,
                 };
-                if !bound::possible_rules(stage, &module).contains(&rules[1]) {
+                let (possible, bounded) = bound::possible_rules(stage, &module);
+                if !bounded || !possible.contains(&rules[1]) {
                     let place = |_| format!("the rule of module {i}");
                     self.same("match_modules", &rules[..1], &rules[1..], place, |w| w.to_string())?;
                 }

@@ -19,13 +19,20 @@
 //!
 //! Each halving of both directions divides the differences by 4 or more, so the bound falls at least so fast.
 
+//!
+//! What rounding adds is no part of it: halving a cell makes that no smaller, so it must not be what splits one. A
+//! root's points are taken about its own place ([`super::surface::Place`]), so it is less than 8 · 2⁻²⁴ of the root's
+//! size, and half of the spacing of floats where a vertex lies ([`rounding`]).
+
 use super::surface::{Control, dot, length};
 use glam::{Vec3, Vec4};
 
-/// What rounding may do to a difference of points as large as 1, and to the sum of differences.
-const ROUNDING: f32 = 1e-6;
+/// How far a vertex of a root of this size, with coordinates up to `far`, may be from where exact arithmetic has it.
+pub fn rounding(size: f32, far: f32) -> f32 {
+    (8.0 * size + far) * (f32::EPSILON / 2.0)
+}
 
-/// The bound for a net. `projective`: weights differ, else all are 1.
+/// The bound for a net, in units of its place's size. `projective`: weights differ, else all are 1.
 #[inline]
 pub fn error(net: &Control, projective: bool) -> f32 {
     match (net.rows, net.columns) {
@@ -38,19 +45,18 @@ pub fn error(net: &Control, projective: bool) -> f32 {
 
 #[inline(always)]
 fn bound(points: &[Vec4], rows: usize, columns: usize, projective: bool) -> f32 {
-    let (mut low, mut high, mut least) = (Vec3::INFINITY, Vec3::NEG_INFINITY, f32::INFINITY);
-    let mut far = 0.0f32;
-    for p in points {
-        let here = if projective { p.truncate() / p.w } else { p.truncate() };
-        low = low.min(here);
-        high = high.max(here);
-        least = least.min(p.w);
-        far = far.max(p.truncate().abs().max_element());
+    let (mut middle, mut r, mut least) = (Vec3::ZERO, 0.0, 1.0);
+    if projective {
+        let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        least = f32::INFINITY;
+        for p in points {
+            let here = p.truncate() / p.w;
+            low = low.min(here);
+            high = high.max(here);
+            least = least.min(p.w);
+        }
+        (middle, r) = ((low + high) * 0.5, length((high - low) * 0.5));
     }
-    let (middle, r) = match projective {
-        false => (Vec3::ZERO, 0.0),
-        true => ((low + high) * 0.5, length((high - low) * 0.5)),
-    };
     // Or its square where weights are all 1: of the largest square one root is taken.
     let size = |d: Vec4| match projective {
         false => dot(d.truncate(), d.truncate()),
@@ -76,5 +82,5 @@ fn bound(points: &[Vec4], rows: usize, columns: usize, projective: bool) -> f32 
     }
     let (m, n) = (rows as f32 - 1.0, columns as f32 - 1.0);
     let k = m * (m - 1.0) * xx + 2.0 * m * n * xy + n * (n - 1.0) * yy;
-    (k * 0.125 + ROUNDING * far) / if projective { least } else { 1.0 }
+    k * 0.125 / least
 }

@@ -3,7 +3,7 @@
 use super::bound;
 use super::budget::raised;
 use super::lattice::{MAX_DEPTH, Node};
-use super::surface::Control;
+use super::surface::{Control, Place};
 use glam::Vec4;
 use std::ops::RangeInclusive;
 use thiserror::Error;
@@ -13,7 +13,7 @@ use thiserror::Error;
 pub struct Level {
     /// The most that a triangle may be off the surface, in the unit of `measure`: [`LEAST_TOLERANCE`] or more.
     /// A displacement is not part of that surface: for one with finer features take a least `depth`.
-    /// Coordinates of the model may be as large as 10¹⁸; beyond, bounds overflow and all is split to the most.
+    /// Rounding of positions comes to it: see [`bound::rounding`].
     pub tolerance: f32,
     pub measure: Measure,
     /// Halvings of a root along each direction, at least and at most, up to [`MAX_DEPTH`]. At the most the
@@ -27,8 +27,8 @@ pub struct Level {
     pub budget: Option<u32>,
 }
 
-/// The least tolerance: the squares of shorter lengths, of which bounds are made, soon are 0 in single precision.
-pub const LEAST_TOLERANCE: f32 = 1e-16;
+/// The least tolerance: shorter lengths soon are no full numbers of single precision.
+pub const LEAST_TOLERANCE: f32 = 1e-36;
 
 /// What a tolerance is measured in.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -180,19 +180,21 @@ impl Target {
     pub fn splits(&self, net: &mut Control, rational: bool, was_split: bool, coarser: u32) -> bool {
         let limit = if was_split { self.keep } else { self.tolerance } * raised(coarser);
         if self.pixels == 0 {
-            return bound::error(net, rational) > limit;
+            return bound::error(net, rational) * net.place.size > limit;
         }
+        let (inverse, moved) = (net.place.inverse(), self.moved(net.place));
+        let near = self.near * inverse;
         let points = net.rows * net.columns;
         let [mut left, mut right, mut below, mut above, mut behind] = [true; 5];
         let mut crosses = false;
         for p in &mut net.points[..points] {
-            let [x, y, w] = self.clipped(*p);
+            let [x, y, w] = self.clipped(*p, moved);
             left &= x < -w;
             right &= x > w;
             below &= y < -w;
             above &= y > w;
-            behind &= w < self.near;
-            crosses |= w < self.near;
+            behind &= w < near;
+            crosses |= w < near;
             *p = Vec4::new(x * self.half[0], y * self.half[1], 0.0, w);
         }
         if left || right || below || above || behind {
@@ -202,11 +204,18 @@ impl Target {
         crosses || bound::error(net, true) > limit
     }
 
-    /// x, y and w in clip space.
+    /// x, y and w of a place in clip space, over its size.
     #[inline]
-    fn clipped(&self, p: Vec4) -> [f32; 3] {
-        let [a, b, c, d] = self.clip;
-        let row = |k: usize| (a[k] * p.x + b[k] * p.y) + (c[k] * p.z + d[k] * p.w);
-        [row(0), row(1), row(3)]
+    fn moved(&self, place: Place) -> [f32; 3] {
+        let ([a, b, c, d], o, inverse) = (self.clip, place.origin, place.inverse());
+        [0, 1, 3].map(|k| ((a[k] * o.x + b[k] * o.y) + (c[k] * o.z + d[k])) * inverse)
+    }
+
+    /// x, y and w in clip space of a point about a place, all over the place's size: what they stand for is the same.
+    #[inline]
+    fn clipped(&self, p: Vec4, moved: [f32; 3]) -> [f32; 3] {
+        let [a, b, c, _] = self.clip;
+        let row = |k: usize, moved: f32| (a[k] * p.x + b[k] * p.y) + (c[k] * p.z + moved * p.w);
+        [row(0, moved[0]), row(1, moved[1]), row(3, moved[2])]
     }
 }

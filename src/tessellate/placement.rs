@@ -69,14 +69,14 @@ impl Control {
         };
         let first = length(corner(0, 0) - corner(rows - 1, columns - 1));
         let second = length(corner(rows - 1, 0) - corner(0, columns - 1));
-        (first + second) * 0.5
+        (first + second) * 0.5 * self.place.size
     }
 
     /// The unit normal of a displaced patch with these slopes at a place that went to `position`, if the slopes
     /// are more than rounding.
     pub fn placed_normal(&self, [du, dv]: [Vec3; 2], position: Vec3) -> Option<Vec3> {
         let far = position.abs().max_element();
-        let rough = ROUGHER * self.noise.max(NOISE * far);
+        let rough = ROUGHER * (self.noise * self.place.size).max(NOISE * far);
         let product = cross(du, dv);
         let size = length(product);
         (size > rough * length(du) + rough * length(dv)).then(|| product / size)

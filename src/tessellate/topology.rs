@@ -27,6 +27,9 @@ pub const ROOT_WORDS: usize = 9;
 /// The most roots: entries hold their index in 29 bits.
 pub const MOST_ROOTS: usize = (1 << 29) - 1;
 
+/// The greatest coordinate, where sums of a few are still finite.
+pub const MOST_COORDINATE: f32 = 1e37;
+
 /// How the patches of a set meet.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Topology {
@@ -42,6 +45,8 @@ pub enum Error {
     Net { patch: usize, error: NetError },
     #[error("patch {patch} has the degrees {found:?}, those before it {first:?}; take sets of one kind")]
     Degrees { patch: usize, found: [u8; 2], first: [u8; 2] },
+    #[error("patch {patch}: a coordinate of {found:e} is beyond {MOST_COORDINATE:e}")]
+    Far { patch: usize, found: f32 },
     #[error("{patches} patches are more than {MOST_ROOTS}")]
     TooMany { patches: usize },
 }
@@ -74,7 +79,8 @@ impl Topology {
     /// The topology of these nets, in order.
     ///
     /// # Errors
-    /// When they have not all the same degrees, one does not hold together, or there are too many.
+    /// When they have not all the same degrees, one does not hold together or is farther off than
+    /// [`MOST_COORDINATE`], or there are too many.
     pub fn new(nets: &[Net]) -> Result<Topology, Error> {
         if nets.len() > MOST_ROOTS {
             return Err(Error::TooMany { patches: nets.len() });
@@ -84,6 +90,11 @@ impl Topology {
             net.validate(true).map_err(|error| Error::Net { patch, error })?;
             if net.degree != nets[0].degree {
                 return Err(Error::Degrees { patch, found: net.degree, first: nets[0].degree });
+            }
+            let far = |[x, y, z, w]: &[f32; 4]| x.abs().max(y.abs()).max(z.abs()) / w.min(1.0);
+            let found = net.points.iter().map(far).fold(0.0, f32::max);
+            if found > MOST_COORDINATE {
+                return Err(Error::Far { patch, found });
             }
             build.add(patch as u32, net);
         }

@@ -1,5 +1,6 @@
 //! The same on devices: CPU = GPU in every column, room that runs out, and frames that only record.
 
+use super::far::{mapped, on_lattice};
 use super::{derived, file, tessellated};
 use crate::device;
 use crate::tessellate::sets::{book, torus};
@@ -36,6 +37,10 @@ pub fn made(engine: &Engine) -> [isize; 5] {
         .map(|c| c.read())
 }
 
+fn far_off([x, y, z]: [f32; 3]) -> [f32; 3] {
+    [x + 5000.0, y - 3000.0, z]
+}
+
 fn engines() -> Vec<(String, Engine)> {
     device::engines()
 }
@@ -49,6 +54,8 @@ fn cpu_and_gpu_make_the_same_mesh() {
             ("sphere", file("sphere.bpt", true), 0.01),
             ("random torus", torus(2, 1, 7), 0.1),
             ("book", book(5, 3), 0.05),
+            ("teapot far off", mapped(&on_lattice(&file("teapot.bpt", false)), far_off), 0.05),
+            ("sphere far off", mapped(&file("sphere.bpt", true), far_off), 0.05),
         ];
         for (set, nets, tolerance) in sets {
             let what = format!("{set} on {name}");

@@ -1,13 +1,14 @@
 //! The tests, tested: every kernel of a tessellation broken on purpose must show against the CPU.
 
 use super::device::{ROOM, camera, difference, submit};
+use super::far::{mapped, on_lattice};
 use super::placement::{HIGH, WILD, checkered, displaced, heights, plan_of};
 use super::{file, sets, tessellated};
 use crate::{device, mutants};
 use burgeon::cpu::tessellate::Tessellator as Cpu;
 use burgeon::gpu::Engine;
 use burgeon::gpu::tessellate::{Capacity, Tessellator};
-use burgeon::tessellate::{Level, Options};
+use burgeon::tessellate::{Camera, Level, Options};
 
 /// How a mutant is looked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,6 +25,8 @@ enum Check {
     Room,
     /// Rational nets.
     Rational,
+    /// Polynomial and rational nets far from the origin, also through a camera; patches that share no vertices.
+    FarOff,
     /// A budget of triangles.
     Budget,
     /// Buffers of the caller's.
@@ -91,6 +94,15 @@ const MUTANTS: &[Mutant] = &[
     ("target", "near: f32,\n  tolerance: f32", "tolerance: f32,\n  near: f32", Pixels),
     ("workgroups", "invocations + workgroup - 1u", "invocations", Roots),
     ("control", "select(b, COLUMNS - 1u - b,", "select(b, b,", Roots),
+    ("control", "select(vec3f(0.0), first, is_far_off)", "vec3f(0.0)", FarOff),
+    ("control", "p.xyz - origin * p.w", "p.xyz - origin", FarOff),
+    ("control", "(254u << 23u)", "(255u << 23u)", Roots),
+    ("surface", "select(last, first, comes_first(first, last))", "first", FarOff),
+    ("surface", "s.position * net_size + net_origin", "s.position * net_size", FarOff),
+    ("surface", "projected(curve[0]) + origin", "projected(curve[0])", FarOff),
+    ("decide", "wanted.pixels != 0u) * size > limit", "wanted.pixels != 0u) > limit", Roots),
+    ("decide", "wanted.clip[2][k] * o.z + ", "", FarOff),
+    ("decide", "let near = wanted.near * inverse_size()", "let near = wanted.near", Pixels),
     ("surface", "if size > noise", "if size >= 0.0 * noise", Roots),
     ("surface", "rest >= FULL", "rest > FULL", Roots),
     ("surface", "position * du.w", "0.0 * position", Rational),
@@ -164,6 +176,18 @@ impl Check {
                 let levels = [0.1, 0.03, 0.01, 0.003].map(Level::world);
                 compare(&file("sphere.bpt", true), &levels, &shared(whole))
                     .or_else(|| compare(&file("torus.bpt", true), &levels, &shared(whole)))
+            }
+            FarOff => {
+                let by = [5000.0, -3000.0, 700.0];
+                let there = |p: [f32; 3]| [0, 1, 2].map(|k| p[k] + by[k]);
+                let teapot = mapped(&on_lattice(&file("teapot.bpt", false)), there);
+                let seams = Options { format: whole, seams: true };
+                let [eye, at] = [[3.0, 2.0, 2.5], [0.0, 1.0, 0.0]].map(there);
+                let camera = Camera::looking(eye, at, [0.0, 1.0, 0.0], 40.0, [960.0, 720.0], 0.05);
+                let seen = Level { depth: 0..=6, ..Level::pixels(2.0, camera) };
+                compare(&teapot, &[Level::world(0.1), seen], &seams).or_else(|| {
+                    compare(&mapped(&file("sphere.bpt", true), there), &[Level::world(0.05)], &seams)
+                })
             }
             Pixels => {
                 let nets = file("teapot.bpt", false);

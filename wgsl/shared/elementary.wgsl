@@ -1,6 +1,8 @@
 // Elementary functions and hashes: the same text as src/language/elementary.rs, operation by
 // operation.
 
+import numbers;
+
 fn quarter_turns(x: f32) -> vec2f {
   let n = round(x * 0.63661975);
   let r = ((x - n * 1.5703125) - n * 0.0004837513) - n * 0.0000000754979;
@@ -19,6 +21,9 @@ fn cos_of_rest(r: f32) -> f32 {
 }
 
 fn portable_sin(x: f32) -> f32 {
+  if is_special(x) {
+    return not_a_number();
+  }
   let t = quarter_turns(x);
   if t.x == 0.0 {
     return sin_of_rest(t.y);
@@ -33,6 +38,9 @@ fn portable_sin(x: f32) -> f32 {
 }
 
 fn portable_cos(x: f32) -> f32 {
+  if is_special(x) {
+    return not_a_number();
+  }
   let t = quarter_turns(x);
   if t.x == 0.0 {
     return cos_of_rest(t.y);
@@ -47,6 +55,9 @@ fn portable_cos(x: f32) -> f32 {
 }
 
 fn portable_tan(x: f32) -> f32 {
+  if is_special(x) {
+    return not_a_number();
+  }
   return portable_sin(x) / portable_cos(x);
 }
 
@@ -62,20 +73,30 @@ fn exp_of_rest(n: f32, r: f32) -> f32 {
 }
 
 fn portable_exp(x: f32) -> f32 {
-  let c = min(max(x, -87.0), 88.0);
+  if is_nan(x) {
+    return not_a_number();
+  }
+  let c = clamped(x, -87.0, 88.0);
   let n = round(c * 1.442695);
   let r = (c - n * 0.6933594) - n * -0.00021219444;
   return exp_of_rest(n, r);
 }
 
 fn portable_exp2(x: f32) -> f32 {
-  let c = min(max(x, -126.0), 127.0);
+  if is_nan(x) {
+    return not_a_number();
+  }
+  let c = clamped(x, -126.0, 127.0);
   let n = round(c);
   return exp_of_rest(n, (c - n) * 0.6931472);
 }
 
 fn portable_log(x: f32) -> f32 {
-  if x <= 0.0 {
+  // The greatest float lies below infinity.
+  if !is_at_most(x, bitcast<f32>(0x7f7fffffu)) {
+    return x;
+  }
+  if is_at_most(x, 0.0) {
     return bitcast<f32>(0xff7fffffu);
   }
   let bits = bitcast<u32>(x);
@@ -93,20 +114,39 @@ fn portable_log(x: f32) -> f32 {
 }
 
 fn portable_log2(x: f32) -> f32 {
-  return portable_log(x) * 1.442695;
+  let natural = portable_log(x);
+  if is_special(natural) {
+    return natural;
+  }
+  return natural * 1.442695;
 }
 
 fn portable_pow(x: f32, y: f32) -> f32 {
-  if y == 0.0 {
+  if magnitude(y) == 0u {
     return 1.0;
   }
-  if x <= 0.0 {
+  if is_nan(x) || is_nan(y) {
+    return not_a_number();
+  }
+  if is_at_most(x, 0.0) {
     return 0.0;
+  }
+  if is_equal(x, 1.0) {
+    return 1.0;
+  }
+  if is_special(x) || is_special(y) {
+    return portable_exp(select(-87.0, 88.0, is_less(1.0, x) == is_less(0.0, y)));
   }
   return portable_exp(y * portable_log(x));
 }
 
 fn portable_atan(x: f32) -> f32 {
+  if is_nan(x) {
+    return not_a_number();
+  }
+  if is_special(x) {
+    return select(1.5707964, -1.5707964, sign_bit(x) != 0u);
+  }
   let a = abs(x);
   var base = 0.0;
   var t = a;
@@ -123,7 +163,21 @@ fn portable_atan(x: f32) -> f32 {
   return select(y, -y, x < 0.0);
 }
 
-fn portable_atan2(y: f32, x: f32) -> f32 {
+// Of a coordinate where one of two is infinite.
+fn far_off(c: f32) -> f32 {
+  return select(0.0, select(1.0, -1.0, sign_bit(c) != 0u), is_special(c));
+}
+
+fn portable_atan2(given_y: f32, given_x: f32) -> f32 {
+  if is_nan(given_y) || is_nan(given_x) {
+    return not_a_number();
+  }
+  var y = given_y;
+  var x = given_x;
+  if is_special(y) || is_special(x) {
+    y = far_off(given_y);
+    x = far_off(given_x);
+  }
   if x == 0.0 {
     return select(select(0.0, -1.5707964, y < 0.0), 1.5707964, y > 0.0);
   }
@@ -138,12 +192,18 @@ fn portable_atan2(y: f32, x: f32) -> f32 {
 }
 
 fn portable_asin(x: f32) -> f32 {
-  let c = min(max(x, -1.0), 1.0);
+  if is_nan(x) {
+    return not_a_number();
+  }
+  let c = clamped(x, -1.0, 1.0);
   return portable_atan2(c, sqrt((1.0 - c) * (1.0 + c)));
 }
 
 fn portable_acos(x: f32) -> f32 {
-  let c = min(max(x, -1.0), 1.0);
+  if is_nan(x) {
+    return not_a_number();
+  }
+  let c = clamped(x, -1.0, 1.0);
   return portable_atan2(sqrt((1.0 - c) * (1.0 + c)), c);
 }
 
@@ -200,7 +260,10 @@ fn noise_edge(c: vec3f, d: vec3f, t: f32, j: f32, k: f32) -> f32 {
 }
 
 fn gradient_noise(x: f32, y: f32, z: f32) -> f32 {
-  let p = min(max(vec3f(x, y, z), vec3f(-1048576.0)), vec3f(1048576.0));
+  if is_nan(x) || is_nan(y) || is_nan(z) {
+    return not_a_number();
+  }
+  let p = vec3f(clamped(x, -1048576.0, 1048576.0), clamped(y, -1048576.0, 1048576.0), clamped(z, -1048576.0, 1048576.0));
   let c = floor(p);
   let d = p - c;
   let t = vec3f(fade(d.x), fade(d.y), fade(d.z));

@@ -1,5 +1,6 @@
 // Operations of the table (src/language/ops.rs) that need more than an expression.
 
+import numbers;
 import elementary;
 
 // Towards zero; x / 0 = x and the least int over -1 is itself. The divisor is replaced by hand:

@@ -97,9 +97,16 @@ fn restrict_net(n: vec4u) {
   }
 }
 
-// Row k of the matrix times a point.
-fn clipped(p: vec4f, k: u32) -> f32 {
-  return (wanted.clip[0][k] * p.x + wanted.clip[1][k] * p.y) + (wanted.clip[2][k] * p.z + wanted.clip[3][k] * p.w);
+// Row k of the matrix times the root's place, over its size.
+fn moved(k: u32) -> f32 {
+  let o = net_origin;
+  return ((wanted.clip[0][k] * o.x + wanted.clip[1][k] * o.y) + (wanted.clip[2][k] * o.z + wanted.clip[3][k]))
+    * inverse_size();
+}
+
+// Row k of the matrix times a point about that place, over the size.
+fn clipped(p: vec4f, k: u32, moved: f32) -> f32 {
+  return (wanted.clip[0][k] * p.x + wanted.clip[1][k] * p.y) + (wanted.clip[2][k] * p.z + moved * p.w);
 }
 
 fn splits(n: vec4u, was_split: bool) -> bool {
@@ -124,23 +131,30 @@ fn splits(n: vec4u, was_split: bool) -> bool {
   // Outside by one plane of the picture's frustum: left, right, below, above, behind.
   var outside = 0u;
   var crosses = false;
+  var size = net_size;
   if wanted.pixels != 0u {
+    // A picture has no such size.
+    size = 1.0;
+    let near = wanted.near * inverse_size();
+    let moved_x = moved(0u);
+    let moved_y = moved(1u);
+    let moved_w = moved(3u);
     outside = 31u;
     for (var r = 0u; r < ROWS; r++) {
       for (var c = 0u; c < COLUMNS; c++) {
         let p = net[r][c];
-        let x = clipped(p, 0u);
-        let y = clipped(p, 1u);
-        let w = clipped(p, 3u);
+        let x = clipped(p, 0u, moved_x);
+        let y = clipped(p, 1u, moved_y);
+        let w = clipped(p, 3u, moved_w);
         outside &= select(0u, 1u, x < -w) | select(0u, 2u, x > w) | select(0u, 4u, y < -w) | select(0u, 8u, y > w)
-          | select(0u, 16u, w < wanted.near);
-        crosses = crosses || w < wanted.near;
+          | select(0u, 16u, w < near);
+        crosses = crosses || w < near;
         net[r][c] = vec4f(x * wanted.half_size.x, y * wanted.half_size.y, 0.0, w);
       }
     }
   }
   // What the near plane cuts has no size in the picture, however small it is.
-  return outside == 0u && (crosses || error_bound(RATIONAL || wanted.pixels != 0u) > limit);
+  return outside == 0u && (crosses || error_bound(RATIONAL || wanted.pixels != 0u) * size > limit);
 }
 
 @compute @workgroup_size(WORKGROUP)

@@ -45,7 +45,8 @@ fn uniform_triangles(roots: &[Net], tolerance: f32) -> u64 {
     let of = |net: &Net| {
         let rational = net.points.iter().any(|p| p[3] != 1.0);
         let patches = surface::Patches { degree, rational, nets: &net.points, orders: &orders };
-        let error = bound::error(&patches.control(0, Default::default()), rational);
+        let control = patches.control(0, Default::default());
+        let error = bound::error(&control, rational) * control.place.size;
         let depth = (0..16).find(|&d| error <= tolerance * 4f32.powi(d)).unwrap_or(16);
         2 * 4u64.pow(depth as u32)
     };

@@ -63,7 +63,7 @@ impl Graph {
                 .chunks_exact(2)
                 .map(|pair| {
                     let words = pair[0].iter().zip(&pair[1]);
-                    words.map(|(&a, &b)| self.mix(a, b, axis.between)).collect()
+                    words.map(|(&a, &b)| self.mix(Graph::float, a, b, axis.between)).collect()
                 })
                 .collect();
             corners = pairs;

@@ -193,7 +193,7 @@ impl Graph {
         {
             return self.push(Node::Literal(Scalar::of(&op.row().result), word));
         }
-        let sum = matches!(op.row().name, "+" | "-");
+        let sum = matches!(op.row().symbol(), "+" | "-");
         let mut list = [0; 3];
         for (place, &arg) in list.iter_mut().zip(args) {
             *place = self.operand(arg, sum);
@@ -337,10 +337,14 @@ impl Graph {
     }
 
     /// A float literal as an operand: a compiler that knows two constants of a sum, or of a product,
-    /// may reassociate it, so all but one are held back. Powers of two scale exactly in any order.
+    /// may reassociate it, so all but one are held back. Powers of two scale exactly in any order. Infinities are
+    /// held back since no constant of WGSL may be one.
     fn operand(&mut self, id: NodeId, sum: bool) -> NodeId {
         match self.nodes[id] {
-            Node::Literal(Scalar::Float, word) if word << 1 != 0 && (sum || word & 0x007f_ffff != 0) => {
+            Node::Literal(Scalar::Float, word)
+                if word << 1 != 0
+                    && (sum || word & 0x007f_ffff != 0 || !f32::from_bits(word).is_finite()) =>
+            {
                 self.push(Node::Held(word))
             }
             _ => id,
@@ -366,9 +370,23 @@ impl Graph {
         self.expand_vector(row.name, args)
     }
 
-    fn float(&mut self, name: &str, args: &[NodeId]) -> NodeId {
+    /// An operation on floats that rules write, whatever they are.
+    fn scalar_call(&mut self, name: &str, args: &[NodeId]) -> NodeId {
         let types = vec![Type::Float; args.len()];
         self.call(name, &types, args)
+    }
+
+    /// The same on components of vectors, which are finite: a point that is not ends the run. So sums and products of
+    /// points, which rules are mostly made of, cost nothing more.
+    fn float(&mut self, name: &str, args: &[NodeId]) -> NodeId {
+        let by_number = || args.get(1).and_then(|&a| self.literal(a)).map(f32::from_bits);
+        match name {
+            "+" => self.scalar_call("+ #", args),
+            "-" => self.scalar_call("- #", args),
+            "*" => self.scalar_call("* #", args),
+            "/" if by_number().is_some_and(|x| x != 0.0 && x.is_finite()) => self.scalar_call("/ #", args),
+            _ => self.scalar_call(name, args),
+        }
     }
 
     fn number(&mut self, x: f32) -> NodeId {

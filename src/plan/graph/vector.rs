@@ -8,7 +8,8 @@ impl Graph {
         match (name, args) {
             ("fract", [v]) => v.iter().map(|&x| self.fract(x)).collect(),
             ("%", [a, b]) => vec![self.remainder(a[0], b[0])],
-            ("mix", [a, b, t]) => (0..a.len()).map(|i| self.mix(a[i], b[i], t[0])).collect(),
+            ("mix", [a, b, t]) if a.len() == 1 => vec![self.mix(Graph::scalar_call, a[0], b[0], t[0])],
+            ("mix", [a, b, t]) => (0..a.len()).map(|i| self.mix(Graph::float, a[i], b[i], t[0])).collect(),
             ("smoothstep", [low, high, x]) => vec![self.smoothstep(low[0], high[0], x[0])],
             ("dot", [a, b]) => vec![self.dot(a, b)],
             ("length", [v]) => vec![self.length(v)],
@@ -42,36 +43,42 @@ impl Graph {
     }
 
     pub(super) fn fract(&mut self, x: NodeId) -> NodeId {
-        let floor = self.float("floor", &[x]);
-        self.float("-", &[x, floor])
+        let floor = self.scalar_call("floor", &[x]);
+        self.scalar_call("-", &[x, floor])
     }
 
     /// a − b·trunc(a / b)
     pub(super) fn remainder(&mut self, a: NodeId, b: NodeId) -> NodeId {
-        let quotient = self.float("/", &[a, b]);
-        let whole = self.float("trunc", &[quotient]);
-        let product = self.float("*", &[b, whole]);
-        self.float("-", &[a, product])
+        let quotient = self.scalar_call("/", &[a, b]);
+        let whole = self.scalar_call("trunc", &[quotient]);
+        let product = self.scalar_call("*", &[b, whole]);
+        self.scalar_call("-", &[a, product])
     }
 
     /// (a − a·t) + b·t: drivers take a·(1 − t) + b·t for an interpolation and compute another.
-    pub(super) fn mix(&mut self, a: NodeId, b: NodeId, t: NodeId) -> NodeId {
-        let (part, second) = (self.float("*", &[a, t]), self.float("*", &[b, t]));
-        let first = self.float("-", &[a, part]);
-        self.float("+", &[first, second])
+    pub(super) fn mix(
+        &mut self,
+        call: fn(&mut Graph, &str, &[NodeId]) -> NodeId,
+        a: NodeId,
+        b: NodeId,
+        t: NodeId,
+    ) -> NodeId {
+        let (part, second) = (call(self, "*", &[a, t]), call(self, "*", &[b, t]));
+        let first = call(self, "-", &[a, part]);
+        call(self, "+", &[first, second])
     }
 
     /// t·t·(3 − 2t) with t = clamp((x − low) / (high − low), 0, 1)
     pub(super) fn smoothstep(&mut self, low: NodeId, high: NodeId, x: NodeId) -> NodeId {
-        let (above, width) = (self.float("-", &[x, low]), self.float("-", &[high, low]));
-        let ratio = self.float("/", &[above, width]);
+        let (above, width) = (self.scalar_call("-", &[x, low]), self.scalar_call("-", &[high, low]));
+        let ratio = self.scalar_call("/", &[above, width]);
         let (zero, one) = (self.number(0.0), self.number(1.0));
-        let t = self.float("clamp", &[ratio, zero, one]);
+        let t = self.scalar_call("clamp", &[ratio, zero, one]);
         let (two, three) = (self.number(2.0), self.number(3.0));
-        let twice = self.float("*", &[two, t]);
-        let rest = self.float("-", &[three, twice]);
-        let square = self.float("*", &[t, t]);
-        self.float("*", &[square, rest])
+        let twice = self.scalar_call("*", &[two, t]);
+        let rest = self.scalar_call("-", &[three, twice]);
+        let square = self.scalar_call("*", &[t, t]);
+        self.scalar_call("*", &[square, rest])
     }
 
     /// Products summed from left to right.

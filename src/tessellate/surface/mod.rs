@@ -6,10 +6,12 @@
 //! Bernstein weights. [`crate::patch::evaluate`] is the same in f64, from leaves.
 
 mod lanes;
+mod place;
 mod restrict;
 
 pub(super) use lanes::each;
 pub use lanes::{LANES, Points, Samples, TILE, Wide};
+pub use place::Place;
 pub use restrict::restrict;
 
 use super::lattice::{FULL, LEVELS, NOWHERE, along};
@@ -48,7 +50,11 @@ pub struct Control {
     pub rows: usize,
     pub columns: usize,
     pub rational: bool,
+    /// As they lie about the root's own place, in units of its size.
     pub points: [Vec4; MOST * MOST],
+    /// As the file has them.
+    file: [Vec4; MOST * MOST],
+    pub place: Place,
     /// The root.
     root: u32,
     /// Below so much of a derivative's length a product of two is rounding.
@@ -63,6 +69,8 @@ impl Default for Control {
             columns: 0,
             rational: false,
             points: [Vec4::ZERO; MOST * MOST],
+            file: [Vec4::ZERO; MOST * MOST],
+            place: Place::default(),
             root: NOWHERE,
             noise: 0.0,
         }
@@ -87,12 +95,13 @@ impl Patches<'_> {
         let n = rows * columns;
         let points = &self.nets[root as usize * n..][..n];
         let order = &self.orders[orientation.0 as usize];
-        let mut far = 0.0f32;
-        for (point, &at) in net.points.iter_mut().zip(order) {
+        for (point, &at) in net.file.iter_mut().zip(order) {
             *point = Vec4::from_array(points[at]);
-            far = far.max(point.truncate().abs().max_element() / point.w);
         }
-        (net.rows, net.columns, net.root, net.noise) = (rows, columns, root, NOISE * far);
+        net.place = Place::of(&net.file[..n], self.rational, &mut net.points[..n]);
+        let far = |p: &Vec4| p.truncate().abs().max_element() / p.w;
+        net.noise = NOISE * net.points[..n].iter().map(far).fold(0.0, f32::max);
+        (net.rows, net.columns, net.root) = (rows, columns, root);
         net.rational = self.rational;
     }
 }
@@ -115,17 +124,18 @@ impl Control {
     #[inline]
     pub(crate) fn position_of(&self, p: [u32; 2], inside: Vec3) -> Vec3 {
         let position = match (side_at(p[0], 0), side_at(p[1], 1)) {
-            (Some(side), _) => project(self.on_side(side, p[along(side)])),
-            (_, Some(side)) => project(self.on_side(side, p[along(side)])),
+            (Some(side), _) => self.on_side(side, p[along(side)]),
+            (_, Some(side)) => self.on_side(side, p[along(side)]),
             _ => inside,
         };
         // +0 for −0: which of them comes depends on the way along the curve.
         position + Vec3::ZERO
     }
 
-    /// The point at t / FULL of a side, by midpoints alone.
+    /// The point at t / FULL of a side, by midpoints alone; far off they are taken about one of its ends, the same one
+    /// from either side.
     #[inline]
-    fn on_side(&self, side: u32, t: u32) -> Vec4 {
+    fn on_side(&self, side: u32, t: u32) -> Vec3 {
         let (first, step, n) = match side {
             0 => (0, 1, self.columns),
             1 => ((self.rows - 1) * self.columns, 1, self.columns),
@@ -134,23 +144,40 @@ impl Control {
         };
         let mut curve = [Vec4::ZERO; MOST];
         for (k, point) in curve.iter_mut().enumerate().take(n) {
-            *point = self.points[first + k * step];
+            *point = self.file[first + k * step];
         }
         match t {
-            0 => return curve[0],
-            FULL => return curve[n - 1],
+            0 => return project(curve[0]),
+            FULL => return project(curve[n - 1]),
             _ => {}
         }
-        match n {
+        let origin = place::origin_of_curve(&curve[..n], self.rational);
+        for point in &mut curve[..n] {
+            *point = place::about(*point, origin, self.rational);
+        }
+        let point = match n {
             // With the number known the compiler unrolls it.
             4 => halve_towards(&mut curve, 4, t),
             n => halve_towards(&mut curve, n, t),
-        }
+        };
+        project(point) + origin
     }
 
     /// Point and derivatives at (u, v), both in 0..=1.
     #[inline]
-    pub fn sample(&self, [u, v]: [f32; 2]) -> Sample {
+    pub fn sample(&self, at: [f32; 2]) -> Sample {
+        self.in_space(self.own_sample(at))
+    }
+
+    /// From units of the root about its place.
+    #[inline]
+    fn in_space(&self, sample: Sample) -> Sample {
+        let Place { origin, size } = self.place;
+        Sample { position: sample.position * size + origin, du: sample.du * size, dv: sample.dv * size }
+    }
+
+    #[inline]
+    fn own_sample(&self, [u, v]: [f32; 2]) -> Sample {
         let mut found = Points::<1>::default();
         match (self.rows, self.columns, self.rational) {
             // With the sizes known the compiler unrolls it.
@@ -161,7 +188,8 @@ impl Control {
         Sample { position: one(found.position), du: one(found.du), dv: one(found.dv) }
     }
 
-    /// The same at several lattice points, and what [`Control::normal`] says of them.
+    /// The points at several lattice points, and what [`Control::normal`] says of them; derivatives are in units of the
+    /// root's size.
     #[inline]
     pub fn samples(&self, points: &[[u32; 2]; LANES], found: &mut Samples<LANES>) {
         let u = each(|l| parameter(points[l][0]));
@@ -188,7 +216,7 @@ impl Control {
         }
     }
 
-    /// The normals of points that are there.
+    /// The normals of points that are there; then where these lie in space.
     #[inline(always)]
     fn normals<const L: usize>(&self, found: &mut Samples<L>, at: impl Fn(usize) -> [u32; 2]) {
         let Points { du, dv, .. } = &found.points;
@@ -210,6 +238,10 @@ impl Control {
                 (0..3).for_each(|k| found.normal[k][l] = normal[k]);
             }
         }
+        let Place { origin, size } = self.place;
+        for (x, origin) in found.points.position.iter_mut().zip(origin.to_array()) {
+            *x = each(|l| x[l] * size + origin);
+        }
     }
 
     /// Point, derivatives and unit normal S_x × S_y at a lattice point. Where the product is nothing but
@@ -223,20 +255,20 @@ impl Control {
     /// The same at parameters in 0..=1.
     #[inline]
     pub fn normal_near(&self, at: [f32; 2]) -> (Vec3, Sample) {
-        let sample = self.sample(at);
+        let sample = self.own_sample(at);
         let product = cross(sample.du, sample.dv);
         let noise = self.noise;
         if let Some(normal) = direction(product, noise * length(sample.du) + noise * length(sample.dv)) {
-            return (normal, sample);
+            return (normal, self.in_space(sample));
         }
         for nudge in NUDGES {
-            let near = self.sample(at.map(|x| x + (0.5 - x) * nudge));
+            let near = self.own_sample(at.map(|x| x + (0.5 - x) * nudge));
             let product = cross(near.du, near.dv);
             if let Some(normal) = direction(product, noise * length(near.du) + noise * length(near.dv)) {
-                return (normal, sample);
+                return (normal, self.in_space(sample));
             }
         }
-        (Vec3::Z, sample)
+        (Vec3::Z, self.in_space(sample))
     }
 }
 

@@ -8,7 +8,7 @@ use glam::Vec4;
 /// give, then by those along y. It takes as long at any depth: see `decide.wgsl`.
 #[inline]
 pub fn restrict(root: &Control, node: &Node, cell: &mut Control) {
-    (cell.rows, cell.columns) = (root.rows, root.columns);
+    (cell.rows, cell.columns, cell.place) = (root.rows, root.columns, root.place);
     match (root.rows, root.columns, root.rational) {
         (4, 4, false) => restricted(&root.points, 4, 4, false, node, &mut cell.points),
         (rows, columns, rational) => {

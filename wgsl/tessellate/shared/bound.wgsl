@@ -1,7 +1,5 @@
-// How far the triangles of a cell with the control points `net` can be from its surface:
+// How far the triangles of a cell with the control points `net` can be from its surface, in units of the root's size:
 // tessellate/bound.rs.
-
-const ROUNDING = 1e-6;
 
 // The size of a difference, or its square where weights are all 1: of the largest square one root is taken.
 fn difference_size(d: vec4f, middle: vec3f, r: f32, projective: bool) -> f32 {
@@ -14,23 +12,19 @@ fn difference_size(d: vec4f, middle: vec3f, r: f32, projective: bool) -> f32 {
 fn error_bound(projective: bool) -> f32 {
   var low = vec3f(3.4e38);
   var high = vec3f(-3.4e38);
-  var least = 3.4e38;
-  var far = 0.0;
-  for (var i = 0u; i < ROWS; i++) {
-    for (var j = 0u; j < COLUMNS; j++) {
-      let p = net[i][j];
-      if projective {
+  var least = 1.0;
+  var middle = vec3f(0.0);
+  var r = 0.0;
+  if projective {
+    least = 3.4e38;
+    for (var i = 0u; i < ROWS; i++) {
+      for (var j = 0u; j < COLUMNS; j++) {
+        let p = net[i][j];
         low = min(low, p.xyz / p.w);
         high = max(high, p.xyz / p.w);
         least = min(least, p.w);
       }
-      let a = abs(p.xyz);
-      far = max(far, max(a.x, max(a.y, a.z)));
     }
-  }
-  var middle = vec3f(0.0);
-  var r = 0.0;
-  if projective {
     middle = (low + high) * 0.5;
     r = length_of((high - low) * 0.5);
   }
@@ -61,5 +55,5 @@ fn error_bound(projective: bool) -> f32 {
   let m = f32(ROWS) - 1.0;
   let n = f32(COLUMNS) - 1.0;
   let k = m * (m - 1.0) * xx + 2.0 * m * n * xy + n * (n - 1.0) * yy;
-  return (k * 0.125 + ROUNDING * far) / select(1.0, least, projective);
+  return k * 0.125 / least;
 }

@@ -39,7 +39,7 @@ fn corner_point(p: vec4f) -> vec3f {
 fn scale_of_net() -> f32 {
   let first = length_of(corner_point(net[0][0]) - corner_point(net[ROWS - 1u][COLUMNS - 1u]));
   let second = length_of(corner_point(net[ROWS - 1u][0]) - corner_point(net[0][COLUMNS - 1u]));
-  return (first + second) * 0.5;
+  return (first + second) * 0.5 * net_size;
 }
 
 // A place of a patch at these canonical parameters, with this position and the file's normal.
@@ -137,7 +137,7 @@ fn placed_face(key: vec3u, root: u32, p: vec2u, s: Sample, smooth_normal: vec3f,
   face.dv = s.dv + slopes[1] * STEPS;
   face.normal = smooth_normal;
   let far = max(abs(position.x), max(abs(position.y), abs(position.z)));
-  let rough = ROUGHER * max(NOISE * far_of_net(), NOISE * far);
+  let rough = ROUGHER * max(NOISE * far_of_net() * net_size, NOISE * far);
   let product = cross_of(face.du, face.dv);
   let size = length_of(product);
   if size > rough * length_of(face.du) + rough * length_of(face.dv) {

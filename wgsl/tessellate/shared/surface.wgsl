@@ -39,6 +39,7 @@ fn bernstein(points: u32, t: f32) -> Basis {
   return b;
 }
 
+// About the root's place, in units of its size.
 fn sample(uv: vec2f) -> Sample {
   let u = bernstein(ROWS, uv.x);
   let v = bernstein(COLUMNS, uv.y);
@@ -70,23 +71,49 @@ fn sample(uv: vec2f) -> Sample {
   return Sample(position, (du.xyz - position * du.w) / point.w, (dv.xyz - position * dv.w) / point.w);
 }
 
-// The point at t / FULL of a side, by midpoints alone: read either way it has the same bits.
-fn on_side(side: u32, at: u32) -> vec4f {
-  let count = select(ROWS, COLUMNS, side < 2u);
-  var curve: array<vec4f, LINES>;
-  for (var c = 0u; c < COLUMNS; c++) {
-    curve[c] = select(net[0][c], net[ROWS - 1u][c], side == 1u);
-  }
-  if side > 1u {
-    for (var r = 0u; r < ROWS; r++) {
-      curve[r] = select(net[r][0], net[r][COLUMNS - 1u], side == 3u);
+// Whether a point comes before another by its coordinates.
+fn comes_first(a: vec4f, b: vec4f) -> bool {
+  for (var k = 0u; k < 4u; k++) {
+    if a[k] != b[k] {
+      return a[k] < b[k];
     }
   }
+  return true;
+}
+
+// The point at t / FULL of a side, by midpoints alone; far off they are taken about one of its ends. Read either way it has the
+// same bits.
+fn on_side(side: u32, at: u32) -> vec3f {
+  let count = select(ROWS, COLUMNS, side < 2u);
+  let orientation = orientation_of(net_root);
+  let base = net_root * POINTS;
+  let across = select(ROWS, COLUMNS, side > 1u) - 1u;
+  let line = select(0u, across, (side & 1u) != 0u);
+  var curve: array<vec4f, LINES>;
+  for (var k = 0u; k < LINES; k++) {
+    let at = min(k, count - 1u);
+    let cell = select(vec2u(at, line), vec2u(line, at), side < 2u);
+    curve[k] = nets[base + place_in_file(orientation, cell.x, cell.y)];
+  }
+  let first = curve[0];
+  // Those beyond the last are the last.
+  let last = curve[LINES - 1u];
   if at == 0u {
-    return curve[0];
+    return projected(first);
   }
   if at == FULL {
-    return select(net[ROWS - 1u][COLUMNS - 1u], select(net[0][COLUMNS - 1u], net[ROWS - 1u][0], side == 2u), (side & 1u) == 0u);
+    return projected(last);
+  }
+  let end = projected(select(last, first, comes_first(first, last)));
+  var far = 0.0;
+  var about_end = 0.0;
+  for (var k = 0u; k < LINES; k++) {
+    far = max(far, greatest(curve[k]));
+    about_end = max(about_end, greatest(about(curve[k], end)));
+  }
+  let origin = select(vec3f(0.0), end, far > FAR_OFF * about_end);
+  for (var k = 0u; k < LINES; k++) {
+    curve[k] = about(curve[k], origin);
   }
   // Halve, and keep the half where t lies; at last it is the point between the two.
   var rest = at;
@@ -115,7 +142,7 @@ fn on_side(side: u32, at: u32) -> vec4f {
     }
     rest = select(rest, rest - FULL, rest > FULL);
   }
-  return curve[0];
+  return projected(curve[0]) + origin;
 }
 
 fn position_at(p: vec2u, inside: vec3f) -> vec3f {
@@ -123,11 +150,9 @@ fn position_at(p: vec2u, inside: vec3f) -> vec3f {
   let y = side_at(p.y, 1u);
   var position = inside;
   if x != NOWHERE {
-    let h = on_side(x, p.y);
-    position = h.xyz / h.w;
+    position = on_side(x, p.y);
   } else if y != NOWHERE {
-    let h = on_side(y, p.x);
-    position = h.xyz / h.w;
+    position = on_side(y, p.x);
   }
   // +0 for -0.
   return position + vec3f(0.0);
@@ -140,7 +165,7 @@ struct Normal {
   sample: Sample,
 }
 
-// The largest coordinate of the net.
+// The largest coordinate of the net about its place, in units of its size.
 fn far_of_net() -> f32 {
   var far = 0.0;
   for (var r = 0u; r < ROWS; r++) {
@@ -171,7 +196,7 @@ fn normal_near(at: vec2f) -> Normal {
     }
     let s = sample(at + (vec2f(0.5) - at) * nudge);
     if attempt == 0u {
-      result.sample = s;
+      result.sample = Sample(s.position * net_size + net_origin, s.du * net_size, s.dv * net_size);
     }
     let n = vec3f(
       s.du.y * s.dv.z - s.du.z * s.dv.y,

@@ -1,0 +1,158 @@
+//! Models far from the origin, very large, very small, or with a stray point: the same triangles as near it, as long as
+//! the shape survives single precision.
+
+use super::{file, tessellated};
+use burgeon::cpu::tessellate::Tessellator;
+use burgeon::patch::Net;
+use burgeon::tessellate::topology::MOST_COORDINATE;
+use burgeon::tessellate::{Camera, Level, Options, Topology, bound};
+
+/// The nets with each point, as it lies in space, moved to somewhere else.
+pub fn mapped(nets: &[Net], f: impl Fn([f32; 3]) -> [f32; 3]) -> Vec<Net> {
+    let point = |&[x, y, z, w]: &[f32; 4]| {
+        let [x, y, z] = f([x / w, y / w, z / w]);
+        [x * w, y * w, z * w, w]
+    };
+    nets.iter()
+        .map(|net| Net { degree: net.degree, points: net.points.iter().map(point).collect() })
+        .collect()
+}
+
+/// Control points on a lattice that single precision holds at all places that these tests move it to.
+pub fn on_lattice(nets: &[Net]) -> Vec<Net> {
+    mapped(nets, |p| p.map(|x| (x * 64.0).round() / 64.0))
+}
+
+fn moved(nets: &[Net], by: [f32; 3]) -> Vec<Net> {
+    mapped(nets, |p| [0, 1, 2].map(|k| p[k] + by[k]))
+}
+
+fn flat(x: f32) -> Vec<Net> {
+    let points = [[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]].map(|[a, b]| [x + a, b, 0.0, 1.0]);
+    vec![Net { degree: [1, 1], points: points.to_vec() }]
+}
+
+pub const PLACES: [[f32; 3]; 5] = [
+    [500.0, 500.0, 0.0],
+    [1000.0, 1000.0, 0.0],
+    [5000.0, 5000.0, 0.0],
+    [1e4, -3e4, 7.0],
+    [-65536.0, 0.0, 65536.0],
+];
+
+fn positions(t: &Tessellator) -> Vec<[f32; 3]> {
+    t.mesh().positions
+}
+
+#[test]
+fn what_is_flat_takes_two_triangles_wherever_it_is() {
+    for x in [0.0, 1e4, 1e6, -1.6e7] {
+        let t = tessellated(&flat(x), &Level::world(1e-6), &Options::default());
+        assert_eq!(t.mesh().indices.len(), 6, "at {x}");
+        assert!(positions(&t).iter().all(|p| p[0] == x || p[0] == x + 1.0), "{:?}", positions(&t));
+    }
+}
+
+/// The same cells are split, and each vertex is where the unmoved one goes but for half a spacing of floats there.
+#[test]
+fn a_model_far_off_has_the_triangles_that_it_has_near_by() {
+    let teapot = on_lattice(&file("teapot.bpt", false));
+    for tolerance in [0.05, 0.005] {
+        let (level, options) = (Level::world(tolerance), Options::default());
+        let near = tessellated(&teapot, &level, &options);
+        for by in PLACES {
+            let far = tessellated(&moved(&teapot, by), &level, &options);
+            assert_eq!(far.mesh().indices, near.mesh().indices, "{by:?}, {tolerance}");
+            let most = bound::rounding(4.0, by.iter().fold(0.0f32, |a, x| a.max(x.abs())) + 4.0);
+            for (a, b) in positions(&far).iter().zip(positions(&near)) {
+                for k in 0..3 {
+                    let exact = f64::from(b[k]) + f64::from(by[k]);
+                    assert!(
+                        (f64::from(a[k]) - exact).abs() <= f64::from(most),
+                        "{a:?} for {b:?} moved by {by:?}"
+                    );
+                }
+            }
+            for (a, b) in far.mesh().normals.iter().zip(&near.mesh().normals) {
+                let apart = (0..3).map(|k| (a[k] - b[k]).abs()).fold(0.0, f32::max);
+                assert!(apart < 1e-3, "normal {a:?} for {b:?} moved by {by:?}");
+            }
+        }
+    }
+}
+
+/// Vertices that patches do not share still lie in one place.
+#[test]
+fn seams_far_off_have_no_crack() {
+    let teapot = moved(&file("teapot.bpt", false), PLACES[3]);
+    let seams = Options { seams: true, ..Options::default() };
+    let t = tessellated(&teapot, &Level::world(0.05), &seams);
+    super::check(&t, &teapot, None);
+}
+
+#[test]
+fn rational_models_far_off_do_not_explode() {
+    for name in ["sphere.bpt", "torus.bpt"] {
+        let nets = file(name, true);
+        let level = Level::world(0.01);
+        let near = tessellated(&nets, &level, &Options::default()).mesh().indices.len();
+        for by in PLACES {
+            let far = tessellated(&moved(&nets, by), &level, &Options::default()).mesh().indices.len();
+            assert!((far as f64 / near as f64 - 1.0).abs() < 0.02, "{name} at {by:?}: {far} for {near}");
+        }
+    }
+}
+
+/// Powers of two change no digit.
+#[test]
+fn no_size_changes_the_triangles() {
+    let teapot = file("teapot.bpt", false);
+    let options = Options::default();
+    let near = tessellated(&teapot, &Level::world(0.05), &options);
+    for power in [-100, -40, 40, 100] {
+        let factor = 2f32.powi(power);
+        let nets = mapped(&teapot, |p| p.map(|x| x * factor));
+        let scaled = tessellated(&nets, &Level::world(0.05 * factor), &options);
+        assert_eq!(scaled.mesh().indices, near.mesh().indices, "2^{power}");
+        assert_eq!(scaled.mesh().normals, near.mesh().normals, "2^{power}");
+        let back: Vec<[f32; 3]> = positions(&scaled).iter().map(|p| p.map(|x| x / factor)).collect();
+        assert_eq!(back, positions(&near), "2^{power}");
+    }
+}
+
+#[test]
+fn a_stray_point_makes_one_large_patch_and_no_other() {
+    let mut teapot = file("teapot.bpt", false);
+    let near = tessellated(&teapot, &Level::world(1e27), &Options::default()).mesh().indices.len();
+    teapot[6].points[5][0] = 1e30;
+    let t = tessellated(&teapot, &Level::world(1e27), &Options::default());
+    assert!(positions(&t).iter().flatten().all(|x| x.is_finite()));
+    assert!(t.mesh().indices.len() < near + 3 * 5000, "{} triangles", t.mesh().indices.len() / 3);
+    // A weight near 0 throws a point that far, too.
+    let mut net = flat(0.0);
+    net[0].points[2] = [1e33, 0.0, 0.0, 1e-6];
+    let error = Topology::new(&net).expect_err("a point that is too far");
+    assert_eq!(error.to_string(), format!("patch 0: a coordinate of 1e39 is beyond {MOST_COORDINATE:e}"));
+}
+
+/// What a camera sees does not change when it goes along.
+#[test]
+fn a_camera_far_off_sees_the_same() {
+    let teapot = on_lattice(&file("teapot.bpt", false));
+    let level = |[x, y, z]: [f32; 3]| {
+        let camera = Camera::looking(
+            [x, y + 2.0, z + 8.0],
+            [x, y + 1.0, z],
+            [0.0, 1.0, 0.0],
+            45.0,
+            [800.0, 600.0],
+            0.1,
+        );
+        Level::pixels(1.0, camera)
+    };
+    let near = tessellated(&teapot, &level([0.0; 3]), &Options::default()).mesh().indices.len();
+    for by in PLACES {
+        let far = tessellated(&moved(&teapot, by), &level(by), &Options::default()).mesh().indices.len();
+        assert!((far as f64 / near as f64 - 1.0).abs() < 0.05, "at {by:?}: {far} for {near}");
+    }
+}
