@@ -46,7 +46,7 @@ pub enum Error {
     #[error("patch {patch} has the degrees {found:?}, those before it {first:?}; take sets of one kind")]
     Degrees { patch: usize, found: [u8; 2], first: [u8; 2] },
     #[error("patch {patch}: a coordinate of {found:e} is beyond {MOST_COORDINATE:e}")]
-    Far { patch: usize, found: f32 },
+    Far { patch: usize, found: f64 },
     #[error("{patches} patches are more than {MOST_ROOTS}")]
     TooMany { patches: usize },
 }
@@ -91,9 +91,12 @@ impl Topology {
             if net.degree != nets[0].degree {
                 return Err(Error::Degrees { patch, found: net.degree, first: nets[0].degree });
             }
-            let far = |[x, y, z, w]: &[f32; 4]| x.abs().max(y.abs()).max(z.abs()) / w.min(1.0);
-            let found = net.points.iter().map(far).fold(0.0, f32::max);
-            if found > MOST_COORDINATE {
+            let far = |p: &[f32; 4]| {
+                let [x, y, z, w] = p.map(f64::from);
+                x.abs().max(y.abs()).max(z.abs()) / w
+            };
+            let found = net.points.iter().map(far).fold(0.0, f64::max);
+            if found > MOST_COORDINATE.into() {
                 return Err(Error::Far { patch, found });
             }
             build.add(patch as u32, net);

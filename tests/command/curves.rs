@@ -37,6 +37,40 @@ fn every_format_of_curves_is_written() {
     assert_eq!(folder.read("b.csv"), folder.read("a.csv"));
 }
 
+/// What a quotient by 0, and what is not a number, come to is stated, and both backends keep to it.
+#[cfg(feature = "gpu")]
+#[test]
+fn infinities_and_nan_are_alike_on_both_backends() {
+    let folder = Folder::new();
+    let head = "system s : curve open\nmodule A(x: float), Q(k: int)\naxiom: A(-1) A(4) A(0)\nrules:\n  A(x)";
+    let rules = [
+        ("-> Q(int(sqrt(x)))", "0 2 0"),
+        (": x/0.0 > 1 -> Q(1)", "A 1 A"),
+        (": x/0 < 0 -> Q(int(x/0))", "-2147483648 A A"),
+        ("-> Q(int(min(0/x, 3)))", "0 0 0"),
+        ("-> Q(int(max(3, sqrt(x))))", "3 3 3"),
+        ("-> Q(if(sqrt(x) == sqrt(x), 1, 2))", "2 1 1"),
+        ("-> Q(if(!(sqrt(x) > 0), 1, 2))", "1 2 1"),
+        ("-> Q(int(clamp(1/x, -5, 5)))", "-1 0 5"),
+        ("-> Q(int(sign(x - x/0*0)))", "0 0 0"),
+        ("-> Q(int(x*1e38*1e38))", "-2147483648 2147483520 0"),
+    ];
+    for (rule, expected) in rules {
+        folder.write("s.burgeon", format!("{head} {rule}\n"));
+        for backend in ["cpu", "gpu"] {
+            folder.run(&["run", "s.burgeon", "--backend", backend, "--out", "s.json"]).succeeds();
+            let word: serde_json::Value = serde_json::from_slice(&folder.read("s.json")).expect("json");
+            let value = |m: &serde_json::Value| match m["symbol"].as_str() {
+                Some("Q") => m["params"][0].to_string(),
+                _ => "A".to_string(),
+            };
+            let found: Vec<String> = word["modules"].as_array().expect("modules").iter().map(value).collect();
+            assert_eq!(found.join(" "), expected, "{rule} by {backend}");
+        }
+        folder.run(&["compare", "s.burgeon"]).succeeds();
+    }
+}
+
 #[test]
 fn bad_files_of_points_are_shown_with_their_place() {
     let folder = with_points();

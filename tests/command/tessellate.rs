@@ -73,6 +73,26 @@ fn finer_tolerances_take_more_triangles_and_depths_bound_them() {
     most.succeeds().says(&["halved 2 times the tolerance may not be kept", "a greater --max-depth may help"]);
 }
 
+/// What is far from the origin takes no more triangles, and a note says what rounding adds there.
+#[test]
+fn far_from_the_origin() {
+    let folder = Folder::new();
+    folder.write("far.bpt", bilinear(&[square(10000.0, 0.0, 1.0)]));
+    let ran = folder.run_in_vain(&tessellate("far.bpt", &[]));
+    assert_eq!(ran.succeeds().stdout, "far: 1 patch, 4 vertices, 2 triangles\n");
+    ran.says(&["note: rounding adds up to 6.0e-4 to the tolerance of 0.0014"]);
+    let near = folder.run_in_vain(&tessellate("net.bpt", &[]));
+    assert!(!near.succeeds().stderr.contains("rounding"), "{near:?}");
+    // One stray point makes one large patch.
+    folder.write("stray.bpt", bump().replace("2 2 2", "1e30 2 2"));
+    let ran = folder.run_in_vain(&tessellate("stray.bpt", &[]));
+    ran.succeeds();
+    // As small as single precision tells.
+    folder.write("small.bpt", bilinear(&[square(0.0, 0.0, 1e-30)]));
+    let ran = folder.run_in_vain(&tessellate("small.bpt", &[]));
+    assert_eq!(ran.succeeds().stdout, "small: 1 patch, 4 vertices, 2 triangles\n");
+}
+
 /// The note names a tolerance that gives the same mesh.
 #[test]
 fn without_a_tolerance_there_is_a_default() {

@@ -68,8 +68,8 @@ fn clamped(x: f32, low: f32, high: f32) -> f32 {
 }
 
 fn sign_of(x: f32) -> f32 {
-  // By bits: drivers make -0 of a choice between 0 and -1.
-  return of_bits(select(select(0u, 0xbf800000u, is_less(x, 0.0)), 0x3f800000u, is_less(0.0, x)));
+  // Of integers: drivers make -0 of a choice between 0 and -1.
+  return f32(i32(is_less(0.0, x)) - i32(is_less(x, 0.0)));
 }
 
 fn negative_of(x: f32) -> f32 {
