@@ -35,16 +35,22 @@ pub fn rounding(size: f32, far: f32) -> f32 {
 /// The bound for a net, in units of its place's size. `projective`: weights differ, else all are 1.
 #[inline]
 pub fn error(net: &Control, projective: bool) -> f32 {
+    error_on(net, projective, Vec3::ONE)
+}
+
+/// The same of a projective net where lengths along each axis count so much: as pixels of a picture do.
+#[inline]
+pub fn error_on(net: &Control, projective: bool, unit: Vec3) -> f32 {
     match (net.rows, net.columns) {
         // With all of it known the compiler unrolls it.
-        (4, 4) if projective => bound(&net.points[..16], 4, 4, true),
-        (4, 4) => bound(&net.points[..16], 4, 4, false),
-        (rows, columns) => bound(&net.points[..rows * columns], rows, columns, projective),
+        (4, 4) if projective => bound(&net.points[..16], 4, 4, true, unit),
+        (4, 4) => bound(&net.points[..16], 4, 4, false, unit),
+        (rows, columns) => bound(&net.points[..rows * columns], rows, columns, projective, unit),
     }
 }
 
 #[inline(always)]
-fn bound(points: &[Vec4], rows: usize, columns: usize, projective: bool) -> f32 {
+fn bound(points: &[Vec4], rows: usize, columns: usize, projective: bool, unit: Vec3) -> f32 {
     let (mut middle, mut r, mut least) = (Vec3::ZERO, 0.0, 1.0);
     if projective {
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
@@ -55,12 +61,13 @@ fn bound(points: &[Vec4], rows: usize, columns: usize, projective: bool) -> f32 
             high = high.max(here);
             least = least.min(p.w);
         }
-        (middle, r) = ((low + high) * 0.5, length((high - low) * 0.5));
+        (middle, r) = ((low + high) * 0.5, length((high - low) * 0.5 * unit));
     }
     // Or its square where weights are all 1: of the largest square one root is taken.
     let size = |d: Vec4| match projective {
         false => dot(d.truncate(), d.truncate()),
-        true => length(d.truncate() - middle * d.w) + r * d.w.abs(),
+        // What is common to all differences is multiplied last: compilers take it out of sums.
+        true => length((d.truncate() - middle * d.w) * unit) + r * d.w.abs(),
     };
     let at = |i: usize, j: usize| points[i * columns + j];
     let (mut xx, mut xy, mut yy) = (0.0f32, 0.0f32, 0.0f32);

@@ -4,7 +4,7 @@ use super::bound;
 use super::budget::raised;
 use super::lattice::{MAX_DEPTH, Node};
 use super::surface::{Control, Place};
-use glam::Vec4;
+use glam::{Vec3, Vec4};
 use std::ops::RangeInclusive;
 use thiserror::Error;
 
@@ -195,13 +195,13 @@ impl Target {
             above &= y > w;
             behind &= w < near;
             crosses |= w < near;
-            *p = Vec4::new(x * self.half[0], y * self.half[1], 0.0, w);
+            *p = Vec4::new(x, y, 0.0, w);
         }
         if left || right || below || above || behind {
             return false;
         }
         // What the near plane cuts has no size in the picture, however small it is.
-        crosses || bound::error(net, true) > limit
+        crosses || bound::error_on(net, true, Vec3::new(self.half[0], self.half[1], 1.0)) > limit
     }
 
     /// x, y and w of a place in clip space, over its size.

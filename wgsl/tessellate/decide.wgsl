@@ -132,9 +132,11 @@ fn splits(n: vec4u, was_split: bool) -> bool {
   var outside = 0u;
   var crosses = false;
   var size = net_size;
+  var unit = vec3f(1.0);
   if wanted.pixels != 0u {
     // A picture has no such size.
     size = 1.0;
+    unit = vec3f(wanted.half_size, 1.0);
     let near = wanted.near * inverse_size();
     let moved_x = moved(0u);
     let moved_y = moved(1u);
@@ -149,12 +151,12 @@ fn splits(n: vec4u, was_split: bool) -> bool {
         outside &= select(0u, 1u, x < -w) | select(0u, 2u, x > w) | select(0u, 4u, y < -w) | select(0u, 8u, y > w)
           | select(0u, 16u, w < near);
         crosses = crosses || w < near;
-        net[r][c] = vec4f(x * wanted.half_size.x, y * wanted.half_size.y, 0.0, w);
+        net[r][c] = vec4f(x, y, 0.0, w);
       }
     }
   }
   // What the near plane cuts has no size in the picture, however small it is.
-  return outside == 0u && (crosses || error_bound(RATIONAL || wanted.pixels != 0u) * size > limit);
+  return outside == 0u && (crosses || error_bound(RATIONAL || wanted.pixels != 0u, unit) * size > limit);
 }
 
 @compute @workgroup_size(WORKGROUP)

@@ -2,14 +2,15 @@
 // tessellate/bound.rs.
 
 // The size of a difference, or its square where weights are all 1: of the largest square one root is taken.
-fn difference_size(d: vec4f, middle: vec3f, r: f32, projective: bool) -> f32 {
+fn difference_size(d: vec4f, middle: vec3f, r: f32, projective: bool, unit: vec3f) -> f32 {
   if !projective {
     return product_of(d.xyz, d.xyz);
   }
-  return length_of(d.xyz - middle * d.w) + r * abs(d.w);
+  // What is common to all differences is multiplied last: compilers take it out of sums.
+  return length_of((d.xyz - middle * d.w) * unit) + r * abs(d.w);
 }
 
-fn error_bound(projective: bool) -> f32 {
+fn error_bound(projective: bool, unit: vec3f) -> f32 {
   var low = vec3f(3.4e38);
   var high = vec3f(-3.4e38);
   var least = 1.0;
@@ -26,7 +27,7 @@ fn error_bound(projective: bool) -> f32 {
       }
     }
     middle = (low + high) * 0.5;
-    r = length_of((high - low) * 0.5);
+    r = length_of((high - low) * 0.5 * unit);
   }
   var xx = 0.0;
   var xy = 0.0;
@@ -35,15 +36,15 @@ fn error_bound(projective: bool) -> f32 {
     for (var j = 0u; j < COLUMNS; j++) {
       if i + 2u < ROWS {
         let d = (net[i + 2u][j] + net[i][j]) - 2.0 * net[i + 1u][j];
-        xx = max(xx, difference_size(d, middle, r, projective));
+        xx = max(xx, difference_size(d, middle, r, projective, unit));
       }
       if i + 1u < ROWS && j + 1u < COLUMNS {
         let d = (net[i][j] + net[i + 1u][j + 1u]) - (net[i][j + 1u] + net[i + 1u][j]);
-        xy = max(xy, difference_size(d, middle, r, projective));
+        xy = max(xy, difference_size(d, middle, r, projective, unit));
       }
       if j + 2u < COLUMNS {
         let d = (net[i][j + 2u] + net[i][j]) - 2.0 * net[i][j + 1u];
-        yy = max(yy, difference_size(d, middle, r, projective));
+        yy = max(yy, difference_size(d, middle, r, projective, unit));
       }
     }
   }
