@@ -250,7 +250,7 @@ pub struct View {
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, requires = "eye", value_parser = point)]
     pub look_at: Option<[f32; 3]>,
     /// The viewer's vertical angle of view, in degrees
-    #[arg(long, value_name = "DEGREES", default_value_t = 40.0, requires = "eye", value_parser = angle)]
+    #[arg(long, value_name = "DEGREES", default_value_t = 40.0, requires = "eye", allow_negative_numbers = true, value_parser = angle)]
     pub angle: f32,
     /// Width and height of the viewer's screen
     #[arg(long, value_name = "WxH", default_value = "1280x720", requires = "eye", value_parser = pixels)]

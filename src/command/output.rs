@@ -7,7 +7,7 @@ use burgeon::io::{self, FileError, WriteError};
 use burgeon::patch::Word;
 use burgeon::tessellate::{self, Mesh, Up};
 use clap::ValueEnum;
-use std::io::{Seek, Write};
+use std::io::{IsTerminal, Seek, Write};
 use std::path::{Path, PathBuf};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -267,21 +267,25 @@ pub fn file(
     content: impl FnOnce(&mut dyn Write) -> Result<(), WriteError>,
 ) -> Result<(), Failure> {
     bar.writing(&shown(path), 0);
-    let content = |writer: &mut dyn Write| content(&mut Watched { writer, path, bar, written: 0 });
     if path != Path::new(STDOUT) {
-        return io::write_atomically(path, content)
+        return io::write_atomically(path, |writer| content(&mut Watched { writer, path, bar, written: 0 }))
             .map_err(|e: FileError| Failure::File(format!("error: {e}")));
     }
     let failure = |e: WriteError| Failure::File(format!("error: cannot write to the standard output: {e}"));
     /// What is held in memory until it is whole; more goes to a temporary file.
     const HELD: usize = 1 << 26;
     let mut spool = std::io::BufWriter::new(tempfile::SpooledTempFile::new(HELD));
-    content(&mut spool).map_err(failure)?;
+    content(&mut Watched { writer: &mut spool, path, bar, written: 0 }).map_err(failure)?;
     let spool = spool.into_inner().map_err(|e| e.into_error());
     let copied = spool.and_then(|mut spool| {
         spool.rewind()?;
         let mut out = std::io::stdout().lock();
-        bar.above(|| std::io::copy(&mut spool, &mut out).and_then(|_| out.flush()))
+        // It may be the bar's terminal.
+        if out.is_terminal() {
+            bar.clear();
+        }
+        std::io::copy(&mut spool, &mut Watched { writer: &mut out, path, bar, written: 0 })?;
+        out.flush()
     });
     match copied {
         // A reader that has seen enough is no failure.

@@ -47,8 +47,9 @@ impl Surface {
 /// Reads patches and writes one mesh.
 pub fn tessellate(flags: &flags::Tessellate) -> Result<(), Failure> {
     let start = Instant::now();
-    let targets = output::targets(&flags.out, flags.format, &output::TRIANGLES)?;
+    // What is wrong with the file comes before what is wrong with flags.
     let word = load::patches(&flags.file, flags.bspline)?;
+    let targets = output::targets(&flags.out, flags.format, &output::TRIANGLES)?;
     let nets: Vec<Net> = (0..word.modules.len())
         .map(|root| Net { degree: word.degree, points: word.net(root).to_vec() })
         .collect();

@@ -127,3 +127,30 @@ fn no_adapter(list: &[wgpu::Adapter], requirement: Requirement) -> String {
         _ => format!("no Vulkan, Metal, DX12 or GL adapter was found; {HINT}"),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wgpu::DeviceType;
+
+    #[test]
+    fn only_what_runs_on_the_cpu_is_no_hardware() {
+        let is = |kind| is_hardware(&wgpu::AdapterInfo::new(kind, wgpu::Backend::Vulkan));
+        let all =
+            [DeviceType::DiscreteGpu, DeviceType::IntegratedGpu, DeviceType::VirtualGpu, DeviceType::Other];
+        assert!(all.into_iter().all(is) && !is(DeviceType::Cpu));
+    }
+
+    #[test]
+    fn what_is_missing_is_said() {
+        let none = |requirement| no_adapter(&[], requirement);
+        for requirement in [Requirement::Any, Requirement::Hardware, Requirement::Named("x")] {
+            assert!(
+                none(requirement).starts_with("no Vulkan, Metal, DX12 or GL adapter was found"),
+                "{requirement:?}"
+            );
+        }
+        // A software driver does not help who wants none.
+        assert!(none(Requirement::Any).contains("Mesa") && !none(Requirement::Hardware).contains("Mesa"));
+    }
+}
