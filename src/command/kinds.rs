@@ -38,6 +38,7 @@ pub fn check_run(flags: &flags::Run, system: &System) -> Result<(), Failure> {
 }
 
 /// The same of a command that derives and has no other flags of kinds.
+#[cfg_attr(not(feature = "gpu"), expect(dead_code))]
 pub fn check(flags: &flags::Derive, system: &System) -> Result<(), Failure> {
     refuse(&strange(&DERIVE, flags, system), system)
 }
