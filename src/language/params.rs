@@ -24,7 +24,7 @@ impl fmt::Display for Param<'_> {
 }
 
 impl System {
-    /// The params that the system reads, its own and those above the systems of the file, in order of declaration:
+    /// The params that the system reads, its own and those above the systems of the file, in the order of the text:
     /// what [`Options::set`](crate::plan::Options::set) may name.
     ///
     /// ```
@@ -45,7 +45,9 @@ impl System {
     /// # Ok::<(), burgeon::language::Diagnostics>(())
     /// ```
     pub fn params(&self) -> impl Iterator<Item = Param<'_>> {
-        self.uniforms.iter().filter_map(|uniform| match &uniform.kind {
+        let mut declared: Vec<_> = self.uniforms.iter().collect();
+        declared.sort_by_key(|uniform| uniform.span.start);
+        declared.into_iter().filter_map(|uniform| match &uniform.kind {
             UniformKind::Param { default, range } => Some(Param {
                 name: &uniform.name,
                 ty: &uniform.ty,
