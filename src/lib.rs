@@ -106,7 +106,8 @@
 //!
 //! - [`language`]: the reference of the rule language, with its [operations](language::operations),
 //!   the [names](language::names) that the engine knows, and all [codes](language::codes) of errors.
-//! - [`plan::Options`]: params, memory, progress, stopping. Params are set by name, without compiling anew.
+//! - [`plan::Options`]: params, memory, progress, stopping. Params are set by name, without compiling anew;
+//!   [`System::params`](language::System::params) lists them with types, defaults and ranges.
 //! - [`patch`]: nets, words, evaluation of points and normals.
 //! - [`tessellate`]: leaves to triangles, as grids or as one watertight mesh within a tolerance; on the CPU by
 //!   [`cpu::tessellate`], on a device, frame by frame or once, by `gpu::tessellate`.

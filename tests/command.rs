@@ -7,6 +7,7 @@ mod devices;
 mod formats;
 #[cfg(unix)]
 mod interrupted;
+mod kinds;
 mod matrix;
 mod output;
 mod queries;

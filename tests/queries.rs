@@ -290,7 +290,10 @@ fn values_that_do_not_fit_are_refused_with_what_would() {
             "nothing is bound to the query Heat; it wants one value a patch of the axiom",
         ),
         (refused(&at, 2, vec![]), "nothing is bound to the query Heat; it wants a grid"),
-        (refused(one, 3, vec![("Heat", list(2))]), "Heat is bound to 2 values; the axiom has 3 patches"),
+        (
+            refused(one, 3, vec![("Heat", list(2))]),
+            "Heat wants a value for each patch of the axiom, 3, and is bound to 2",
+        ),
         (
             refused(one, 2, vec![("Heat", bools)]),
             "value 0 of Heat is of type bool; the query is of type float",
@@ -302,7 +305,7 @@ fn values_that_do_not_fit_are_refused_with_what_would() {
             "a grid is bound to Heat, but the rules ask for it as `?Heat(…)`",
         ),
         (refused(&at, 2, vec![("Heat", list(2))]), "the rules ask for it at a point: it wants a grid"),
-        (refused(&at, 2, vec![("Heat", short)]), "the grid of Heat has 7 values for 2×2×2 points"),
+        (refused(&at, 2, vec![("Heat", short)]), "the grid of Heat has 2×2×2 points, and values for 7"),
         (refused(&at, 2, vec![("Heat", empty)]), "the grid of Heat has 2×0×2 points"),
         (refused(&at, 2, vec![("Heat", back)]), "the grid of Heat goes from 0 to 0 along y"),
         (

@@ -1,7 +1,8 @@
 //! From the axiom's files to what a derivation begins with.
 
 use super::Failure;
-use super::load::{Source, shown};
+use super::load::shown;
+use super::source::Source;
 use burgeon::curve::{self, Curves};
 use burgeon::io::{NetOptions, curves, read_nets};
 use burgeon::language::system::{Axiom, CurveSource, CurveStart, Kind, PatchSource, PatchStart, System};

@@ -6,13 +6,16 @@ use super::{Failure, flags};
 #[cfg(feature = "gpu")]
 pub fn compare(flags: &flags::Compare) -> Result<(), Failure> {
     use super::run::{self, of_gpu};
-    use super::{counted, devices, progress, stop};
+    use super::{agreeing, counted, devices, progress, stop};
     use burgeon::gpu::{Engine, Gpu, Headless, Requirement};
     use burgeon::plan::compare::{Pair, PairError};
     use burgeon::plan::derive::Start;
     use burgeon::plan::{Plan, Progress, derive};
 
-    let job = super::load::job(&flags.derive, Plan::new)?;
+    let loaded = super::source::Loaded::read(&flags.derive.system)?;
+    let plan = loaded.plan(Plan::new)?;
+    super::kinds::check(&flags.derive, &loaded.system)?;
+    let job = super::load::job(loaded, plan, &flags.derive)?;
     let requirement = flags.derive.machine.adapter.as_deref().map_or(Requirement::Any, Requirement::Named);
     let device = Headless::new(requirement).map_err(of_gpu)?;
     let engine = Engine::new(&device.device, &device.queue);

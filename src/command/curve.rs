@@ -1,76 +1,51 @@
 //! `burgeon run` of a curve system.
 
 use super::load::{self, Job};
-use super::output::file;
+use super::output::{self, Format, Target, file};
 use super::progress::Bar;
 use super::run::{self, milliseconds};
+use super::source::Loaded;
 use super::words::{self, Several};
-use super::{Failure, counted, flags, print, stop};
+use super::{Failure, counted, flags, kinds, stop};
 use burgeon::curve::{Word, Words};
 use burgeon::io;
 use burgeon::io::curves::{self, Panel, Picture, Style};
 use burgeon::plan::derive::{self, Backend, StepStats};
 use burgeon::plan::{Options, Plan, Progress};
-use std::path::Path;
 use std::time::Instant;
 
-/// What curves are written as.
-const FORMATS: [&str; 5] = ["svg", "png", "obj", "csv", "json"];
-
 /// Derives and writes.
-pub fn run(flags: &flags::Run) -> Result<(), Failure> {
-    let start = Instant::now();
-    if let Some(path) = flags.out.iter().find(|path| !FORMATS.iter().any(|e| load::has_extension(path, e))) {
-        let what = "curves are written as .svg, .png, .obj, .csv or .json";
-        return Err(Failure::Usage(format!("error: --out {}: {what}", path.display())));
-    }
-    if flags.fineness.tolerance.is_some() {
-        let what = "--tolerance is for patches; a curve is as fine as its rules make it";
-        return Err(Failure::Usage(format!("error: {what}")));
-    }
-    if flags.drawing.wireframe || flags.by_symbol {
-        let what = "--wireframe and --by-symbol are for patches";
-        return Err(Failure::Usage(format!("error: {what}")));
-    }
-    let job =
-        load::job(&flags.derive, if flags.words.flag().is_some() { Plan::of_words } else { Plan::new })?;
-    let several = flags.words.flag().map(|_| words::several(flags, &job)).transpose()?;
+pub fn run(flags: &flags::Run, loaded: Loaded, start: Instant) -> Result<(), Failure> {
+    let plan = loaded.plan(if flags.words.are_several() { Plan::of_words } else { Plan::new })?;
+    kinds::check_run(flags, &loaded.system)?;
+    let targets = output::targets(&flags.out, flags.format, &output::CURVES)?;
+    let job = load::job(loaded, plan, &flags.derive)?;
+    let several = flags.words.are_several().then(|| words::several(flags, &job)).transpose()?;
     let several = several.as_ref();
     stop::watch();
     let bar = Bar::new();
     let progress = |p: Progress| bar.step(p);
     let options = run::options(&flags.derive, &job, &progress);
-    let derived = derive(flags, &job, several, &options);
-    if derived.is_err() {
-        bar.clear();
-    }
-    let derived = derived?;
+    let derived = derive(flags, &job, several, &options, &bar)?;
     let drawn = Drawn {
         control: if flags.control { control(&job, several)? } else { vec![Vec::new(); derived.words.len()] },
         combinations: several.map_or(1, |several| several.combinations),
         columns: several.and_then(|several| several.columns),
         style: Style { points: flags.points, up: flags.drawing.up.into(), ..Style::default() },
     };
-    let mut failures = Vec::new();
-    for path in &flags.out {
-        if stop::requested() {
-            break;
-        }
-        bar.writing(path);
-        failures.extend(write_all(path, several, &derived.words, &drawn).err());
-    }
+    let write = |target: &Target| write_all(target, several, &derived.words, &drawn, &bar);
+    let failures = output::each(&targets, write)?;
     bar.clear();
-    stop::check("before all files were written; those written are whole")?;
     super::joined(failures)?;
     if flags.stats {
-        return print(&format!("{}\n", derived.stats(several.is_some(), start)));
+        return output::report(&targets, &derived.stats(several.is_some(), start).to_string());
     }
     let steps = counted(derived.steps.len() as u64, "step");
     let modules = derived.words.iter().map(|word| word.modules.len() as u64).sum();
     let modules = counted(modules, "module");
     let words =
         several.map_or(String::new(), |_| format!("{}, ", counted(derived.words.len() as u64, "curve")));
-    print(&format!("{}: {steps}, {words}{modules}\n", job.plan.system.name))
+    output::report(&targets, &format!("{}: {steps}, {words}{modules}", job.plan.system.name))
 }
 
 /// What pictures show beside the words.
@@ -89,23 +64,35 @@ const PANEL_PIXELS: u32 = 360;
 const MOST_PIXELS: u32 = 4096;
 
 /// One file, or where its name says so one for each of several words.
-fn write_all(path: &Path, several: Option<&Several>, words: &[Word], drawn: &Drawn) -> Result<(), Failure> {
-    let name = path.to_string_lossy();
+fn write_all(
+    target: &Target,
+    several: Option<&Several>,
+    words: &[Word],
+    drawn: &Drawn,
+    bar: &Bar,
+) -> Result<(), Failure> {
+    let name = target.path.to_string_lossy();
     if several.is_none() || !name.contains("{}") {
-        return write(path, several.map(|several| &several.words), words, drawn);
+        return write(target, several.map(|several| &several.words), words, drawn, bar);
     }
     let digits = (words.len() - 1).to_string().len();
     for (n, word) in words.iter().enumerate() {
-        let path = name.replace("{}", &format!("{n:0digits$}"));
+        let target =
+            Target { path: name.replace("{}", &format!("{n:0digits$}")).into(), format: target.format };
         let control = vec![drawn.control[n].clone()];
         let drawn = Drawn { control, combinations: 1, columns: None, style: drawn.style.clone() };
-        write(Path::new(&path), None, std::slice::from_ref(word), &drawn)?;
+        write(&target, None, std::slice::from_ref(word), &drawn, bar)?;
     }
     Ok(())
 }
 
-fn write(path: &Path, several: Option<&Words>, words: &[Word], drawn: &Drawn) -> Result<(), Failure> {
-    let is = |extension| load::has_extension(path, extension);
+fn write(
+    target: &Target,
+    several: Option<&Words>,
+    words: &[Word],
+    drawn: &Drawn,
+    bar: &Bar,
+) -> Result<(), Failure> {
     let all: Vec<&Word> = words.iter().collect();
     let picture = || {
         let panel = |n: usize| {
@@ -124,15 +111,17 @@ fn write(path: &Path, several: Option<&Words>, words: &[Word], drawn: &Drawn) ->
             panels.saturating_mul(PANEL_PIXELS).clamp(PIXELS, MOST_PIXELS)
         }
     };
-    match () {
-        () if is("svg") => file(path, |w| curves::svg::write(w, &picture()?)),
-        () if is("png") => file(path, |w| io::png::write(w, &curves::raster::draw(&picture()?, pixels))),
-        () if is("obj") => file(path, |w| io::obj::write_lines(w, &all)),
-        () if is("csv") => file(path, |w| curves::csv::write(w, &all)),
-        () => file(path, |w| match several {
+    let path = &target.path;
+    match target.format {
+        Format::Svg => file(path, bar, |w| curves::svg::write(w, &picture()?)),
+        Format::Png => file(path, bar, |w| io::png::write(w, &curves::raster::draw(&picture()?, pixels))),
+        Format::Obj => file(path, bar, |w| io::obj::write_lines(w, &all)),
+        Format::Csv => file(path, bar, |w| curves::csv::write(w, &all)),
+        Format::Json => file(path, bar, |w| match several {
             Some(starts) => curves::json::write_words(w, starts, words),
             None => words.iter().try_for_each(|word| curves::json::write(w, word)),
         }),
+        Format::Bpt | Format::Bv | Format::Ply | Format::Glb => Err(output::CURVES.refuse(target.format)),
     }
 }
 
@@ -215,13 +204,17 @@ fn derive(
     job: &Job,
     several: Option<&Several>,
     options: &Options,
+    bar: &Bar,
 ) -> Result<Derived, Failure> {
-    match run::device(flags.backend, &flags.derive.machine)? {
+    match run::device(flags.backend, &flags.derive.machine, bar)? {
         #[cfg(feature = "gpu")]
-        Some(device) => on_gpu(job, several, options, &device),
+        Some(device) => on_gpu(job, several, options, &device, bar),
         #[cfg(not(feature = "gpu"))]
         Some(device) => match device {},
-        None => on_cpu(job, several, options, flags.derive.machine.threads as usize),
+        None => {
+            bar.doing("deriving");
+            on_cpu(job, several, options, flags.derive.machine.threads as usize)
+        }
     }
 }
 
@@ -231,6 +224,7 @@ fn on_gpu(
     several: Option<&Several>,
     options: &Options,
     device: &run::Device,
+    bar: &Bar,
 ) -> Result<Derived, Failure> {
     use burgeon::gpu::{Engine, Gpu};
     let engine = Engine::new(&device.device, &device.queue);
@@ -238,10 +232,12 @@ fn on_gpu(
         burgeon::gpu::Error::Plan(e) => job.failure(e),
         e => run::of_gpu(e),
     };
+    bar.doing("compiling kernels");
     let start = Instant::now();
     let mut gpu = Gpu::new(&engine, &job.plan, &job.uniforms).map_err(failure)?;
     gpu.compile().map_err(failure)?;
     let compile_ms = milliseconds(start);
+    bar.doing("deriving");
     let (words, steps, peak_bytes) = all(job, several, options, &mut gpu).map_err(failure)?;
     Ok(Derived { words, backend: "gpu", adapter: device.info.name.clone(), compile_ms, steps, peak_bytes })
 }

@@ -2,7 +2,7 @@
 
 use super::{Failure, counted, flags, print};
 
-/// A few lines an adapter, the one that is taken first; then the CPU.
+/// A few lines an adapter, the preferred first; then the CPU. The marks say what `--backend` takes.
 #[cfg(feature = "gpu")]
 pub fn devices(_: &flags::Devices) -> Result<(), Failure> {
     let list = burgeon::gpu::adapters();
@@ -12,9 +12,15 @@ pub fn devices(_: &flags::Devices) -> Result<(), Failure> {
         return Err(Failure::Device(format!("error: {why}\n{}", cpu("auto ->"))));
     }
     let mut text = String::new();
+    // Hardware comes first.
+    let hardware = list.first().is_some_and(|adapter| burgeon::gpu::is_hardware(&adapter.get_info()));
     for (n, adapter) in list.iter().enumerate() {
         let (info, limits) = (adapter.get_info(), adapter.limits());
-        let mark = if n == 0 { "auto ->" } else { "" };
+        let mark = match (n, hardware) {
+            (0, true) => "auto ->",
+            (0, false) => "gpu  ->",
+            _ => "",
+        };
         text.push_str(&format!(
             "{mark:7} {}\n          driver: {}\n          largest binding {} MiB, largest buffer {} MiB, {} storage buffers a stage\n",
             label(&info),
@@ -24,7 +30,7 @@ pub fn devices(_: &flags::Devices) -> Result<(), Failure> {
             limits.max_storage_buffers_per_shader_stage,
         ));
     }
-    text.push_str(&cpu(""));
+    text.push_str(&cpu(if hardware { "" } else { "auto ->" }));
     print(&text)
 }
 

@@ -1,8 +1,9 @@
 //! The flags of every subcommand.
 
+use super::output::Format;
+use super::values::{angle, assignment, binding, bytes, depth, pixels, point, seed, tolerance};
 use super::words::Sweep;
 use burgeon::language::Value;
-use burgeon::tessellate::lattice::MAX_DEPTH;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -15,6 +16,7 @@ Examples:
   burgeon run teapot.burgeon --in my_patches.bv --backend cpu --out word.json
   burgeon run teapot.burgeon --in control_points.obj --bspline --out smooth.glb
   burgeon run chaikin.burgeon --points --control --out curve.svg
+  burgeon run chaikin.burgeon --out - --format svg | display
   burgeon run dlg.burgeon --sweep w=0..0.125/6 --out tension.svg
   burgeon run plant.burgeon --seeds 12 --out plants.png --out plant_{}.obj";
 
@@ -42,45 +44,62 @@ Examples:
   burgeon infer chaikin.csv > chaikin.burgeon
   burgeon infer chaikin.csv --shift -1 --name left";
 
+/// Headings of the help.
+const DERIVATION: &str = "Derivation";
+const OUTPUT: &str = "Output";
+const TRIANGLES: &str = "Triangles of patches";
+const CURVES: &str = "Curves";
+const PICTURES: &str = "Pictures";
+const VIEWER: &str = "Viewer";
+const MACHINE: &str = "Machine";
+
+const WHERE: &str = "Where it runs: auto takes a hardware adapter, else the CPU backend; gpu takes any adapter, hardware \
+                     first; cpu is the CPU backend, which is faster than software adapters";
+
+const TO_STDOUT: &str = "What --out - writes, as .FORMAT does";
+
 #[derive(Args)]
 pub struct Run {
     #[command(flatten)]
     pub derive: Derive,
     /// Write the result, by extension: .bpt and .bv the nets, .json the exact word, .obj, .ply and .glb
     /// triangles, .png a picture; curves as .svg, .png, .obj, .csv and .json; may be given several times. Of several
-    /// curves (--sweep, --seeds, --each) all go into one file, or where its name holds {} each into its own
-    #[arg(long, value_name = "FILE")]
+    /// curves (--sweep, --seeds, --each) all go into one file, or where its name holds {} each into its own.
+    /// `-` is the standard output, in the format that --format names; what is said then goes to stderr
+    #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     pub out: Vec<PathBuf>,
-    /// Where it runs: auto takes a hardware adapter, else a software one, else the CPU backend
-    #[arg(long, value_name = "WHERE", value_enum, default_value_t = Backend::Auto)]
-    pub backend: Backend,
-    /// Cells along each side of a patch in .obj, .ply, .glb and .png, two triangles each; halved until the model
-    /// has at most 2 million; not with --tolerance
-    #[arg(long, value_name = "N", default_value_t = 8, conflicts_with = "tolerance", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=256))]
-    pub grid: u32,
+    #[arg(long, value_name = "FORMAT", value_enum, help = TO_STDOUT, help_heading = OUTPUT)]
+    pub format: Option<Format>,
+    /// Print one line of JSON: backend, adapter, compile_ms, steps (modules, ms), total_ms, peak_bytes;
+    /// with --tolerance modules count erased ones, too, and there are vertices, triangles, tessellate_ms
+    #[arg(long, help_heading = OUTPUT)]
+    pub stats: bool,
+    /// Cells along each side of a patch in .obj, .ply, .glb and .png, two triangles each; not with --tolerance
+    /// [default: 8, halved until the model has at most 2 million triangles]
+    #[arg(long, value_name = "N", help_heading = TRIANGLES, conflicts_with = "tolerance", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=256))]
+    pub grid: Option<u32>,
     #[command(flatten)]
     pub fineness: Fineness,
     #[command(flatten)]
     pub words: Words,
+    /// Mark the points of a curve in its .svg and .png
+    #[arg(long, help_heading = CURVES)]
+    pub points: bool,
+    /// Draw the polygon that a curve begins with into its .svg and .png
+    #[arg(long, help_heading = CURVES)]
+    pub control: bool,
     #[command(flatten)]
     pub drawing: Drawing,
     /// Colour the picture by the symbols of the modules
-    #[arg(long)]
+    #[arg(long, help_heading = PICTURES)]
     pub by_symbol: bool,
-    /// Mark the points of a curve in its .svg and .png
-    #[arg(long)]
-    pub points: bool,
-    /// Draw the polygon that a curve begins with into its .svg and .png
-    #[arg(long)]
-    pub control: bool,
-    /// Print one line of JSON: backend, adapter, compile_ms, steps (modules, ms), total_ms, peak_bytes;
-    /// with --tolerance modules count erased ones, too, and there are vertices, triangles, tessellate_ms
-    #[arg(long)]
-    pub stats: bool,
+    #[arg(long, value_name = "WHERE", value_enum, default_value_t = Backend::Auto, help = WHERE, help_heading = MACHINE)]
+    pub backend: Backend,
 }
 
 /// Several curves in one run.
 #[derive(Args)]
+#[command(next_help_heading = CURVES)]
 pub struct Words {
     /// Derive a curve for each of N values of a param, both ends among them, as in w=0..0.125/6; all ints, as in
     /// levels=1..6; given several times, for each combination
@@ -95,14 +114,9 @@ pub struct Words {
 }
 
 impl Words {
-    /// The first flag that asks for several.
-    pub fn flag(&self) -> Option<&'static str> {
-        match self {
-            Words { sweep, .. } if !sweep.is_empty() => Some("--sweep"),
-            Words { seeds: Some(_), .. } => Some("--seeds"),
-            Words { each: true, .. } => Some("--each"),
-            _ => None,
-        }
+    /// Whether several are asked for.
+    pub fn are_several(&self) -> bool {
+        !self.sweep.is_empty() || self.seeds.is_some() || self.each
     }
 }
 
@@ -118,24 +132,27 @@ pub struct Tessellate {
     pub fineness: Fineness,
     #[command(flatten)]
     pub view: View,
-    /// Write the triangles, by extension: .obj, .ply, .glb, or .png a picture; may be given several times
-    #[arg(long, value_name = "FILE")]
+    /// Write the triangles, by extension: .obj, .ply, .glb, or .png a picture; may be given several times.
+    /// `-` is the standard output, in the format that --format names; what is said then goes to stderr
+    #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     pub out: Vec<PathBuf>,
-    /// Where it runs: auto takes a hardware adapter, else a software one, else the CPU backend
-    #[arg(long, value_name = "WHERE", value_enum, default_value_t = Backend::Auto)]
-    pub backend: Backend,
-    #[command(flatten)]
-    pub machine: Machine,
-    #[command(flatten)]
-    pub drawing: Drawing,
+    #[arg(long, value_name = "FORMAT", value_enum, help = TO_STDOUT, help_heading = OUTPUT)]
+    pub format: Option<Format>,
     /// Print one line of JSON: backend, adapter, patches, vertices, triangles, tolerance, pixels (whether
     /// it is in these), tessellate_ms, total_ms
-    #[arg(long)]
+    #[arg(long, help_heading = OUTPUT)]
     pub stats: bool,
+    #[command(flatten)]
+    pub drawing: Drawing,
+    #[command(flatten)]
+    pub machine: Machine,
+    #[arg(long, value_name = "WHERE", value_enum, default_value_t = Backend::Auto, help = WHERE, help_heading = MACHINE)]
+    pub backend: Backend,
 }
 
 /// How fine a watertight mesh is.
 #[derive(Args)]
+#[command(next_help_heading = TRIANGLES)]
 pub struct Fineness {
     /// Make one watertight mesh, adaptively, whose triangles are off the surface by T at most: in units of
     /// the model, as in 0.01, or in pixels of the viewer's screen (--eye), as in 0.5px [tessellate's
@@ -161,6 +178,7 @@ pub enum Tolerance {
 
 /// What a picture looks like.
 #[derive(Args)]
+#[command(next_help_heading = PICTURES)]
 pub struct Drawing {
     /// The axis that points up in the picture, of curves without the other one; in .glb, which has y up, a z is
     /// turned there
@@ -173,6 +191,7 @@ pub struct Drawing {
 
 /// What of the machine is used.
 #[derive(Args)]
+#[command(next_help_heading = MACHINE)]
 pub struct Machine {
     /// Threads of the CPU backend; 0: one a core
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(0..=1024))]
@@ -188,6 +207,7 @@ pub struct Machine {
 
 /// What is derived, and how far.
 #[derive(Args)]
+#[command(next_help_heading = DERIVATION)]
 pub struct Derive {
     #[command(flatten)]
     pub system: System,
@@ -208,17 +228,19 @@ pub struct Derive {
     /// heat=heat.csv; may be given several times
     #[arg(long, value_name = "QUERY=FILE", value_parser = binding)]
     pub bind: Vec<(String, PathBuf)>,
+    /// What random numbers begin with: 32 bits, as 7, as 0xc0ffee, or below 0 as two's complement, so that -1 is
+    /// 4294967295; the param `seed` if left out, else 0
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = seed)]
+    pub seed: Option<u32>,
     #[command(flatten)]
     pub view: View,
-    /// What random numbers begin with; the param `seed` if left out, else 0
-    #[arg(long, value_name = "N")]
-    pub seed: Option<u32>,
     #[command(flatten)]
     pub machine: Machine,
 }
 
 /// What pixels are seen through: `bbox_px` and `area_px`, and tolerances.
 #[derive(Args)]
+#[command(next_help_heading = VIEWER)]
 pub struct View {
     /// Where the viewer stands, for what is measured in pixels: bbox_px and area_px in rules, and
     /// tolerances in px
@@ -228,7 +250,7 @@ pub struct View {
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, requires = "eye", value_parser = point)]
     pub look_at: Option<[f32; 3]>,
     /// The viewer's vertical angle of view, in degrees
-    #[arg(long, value_name = "DEGREES", default_value_t = 40.0, requires = "eye", value_parser = angle)]
+    #[arg(long, value_name = "DEGREES", default_value_t = 40.0, requires = "eye", allow_negative_numbers = true, value_parser = angle)]
     pub angle: f32,
     /// Width and height of the viewer's screen
     #[arg(long, value_name = "WxH", default_value = "1280x720", requires = "eye", value_parser = pixels)]
@@ -239,7 +261,7 @@ pub struct View {
 #[derive(Args)]
 pub struct System {
     /// The rule file
-    #[arg(value_name = "FILE.burgeon")]
+    #[arg(value_name = "FILE.burgeon", help_heading = None::<&str>)]
     pub file: PathBuf,
     /// The system; the last of the file if left out
     #[arg(long, value_name = "NAME")]
@@ -263,7 +285,7 @@ pub struct Wgsl {
 pub struct Matrix {
     #[command(flatten)]
     pub system: System,
-    /// The rules, as behind `with`; several by priority, with commas between [default: the unnamed ones, else those
+    /// The rules, as after `with`; several by priority, with commas between [default: the unnamed ones, else those
     /// of the first derive]
     #[arg(long, value_name = "GROUP", value_delimiter = ',')]
     pub with: Vec<String>,
@@ -346,104 +368,4 @@ pub enum Backend {
 pub enum Up {
     Y,
     Z,
-}
-
-fn tolerance(text: &str) -> Result<Tolerance, String> {
-    let (number, unit): (&str, fn(f32) -> Tolerance) = match text.trim().strip_suffix("px") {
-        Some(number) => (number.trim_end(), Tolerance::Pixels),
-        None => (text.trim(), Tolerance::World),
-    };
-    match number.parse::<f32>() {
-        Ok(x) if x > 0.0 && x.is_finite() => Ok(unit(x)),
-        _ => Err("write a number above 0, as in 0.01 (units of the model) or 0.5px (pixels)".to_string()),
-    }
-}
-
-fn depth() -> clap::builder::RangedI64ValueParser<u32> {
-    clap::value_parser!(u32).range(0..=i64::from(MAX_DEPTH))
-}
-
-/// `NAME=VALUE`: an int, a float, true or false, or a vector `x,y[,z[,w]]`.
-fn assignment(text: &str) -> Result<(String, Value), String> {
-    let (name, value) = text.split_once('=').ok_or("write NAME=VALUE, as in depth=4")?;
-    let name = name.trim();
-    if name.is_empty() {
-        return Err("the name before = is missing".to_string());
-    }
-    Ok((name.to_string(), number(value.trim())?))
-}
-
-pub fn number(text: &str) -> Result<Value, String> {
-    let float = |t: &str| match t.trim().parse::<f32>() {
-        Ok(x) if x.is_finite() => Ok(x),
-        _ => Err(format!("`{text}` is no number, true or false, or vector such as 0,0,4")),
-    };
-    if let Ok(i) = text.parse::<i32>() {
-        return Ok(Value::Int(i));
-    }
-    let digits = text.strip_prefix('-').unwrap_or(text);
-    if !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit()) {
-        let (low, high) = (i32::MIN, i32::MAX);
-        return Err(format!("`{text}` lies outside int, {low} to {high}; as a float, write {text}.0"));
-    }
-    if let Ok(b) = text.parse::<bool>() {
-        return Ok(Value::Bool(b));
-    }
-    let parts = text.trim_start_matches('(').trim_end_matches(')').split(',');
-    let parts = parts.map(float).collect::<Result<Vec<f32>, String>>()?;
-    match parts[..] {
-        [x] => Ok(Value::Float(x)),
-        [x, y] => Ok(Value::Vec2([x, y])),
-        [x, y, z] => Ok(Value::Vec3([x, y, z])),
-        [x, y, z, w] => Ok(Value::Vec4([x, y, z, w])),
-        _ => Err(format!("`{text}` has {} components; a vector has 2 to 4", parts.len())),
-    }
-}
-
-/// `QUERY=FILE`.
-fn binding(text: &str) -> Result<(String, PathBuf), String> {
-    match text.split_once('=') {
-        Some((name, file)) if !name.trim().is_empty() && !file.is_empty() => {
-            Ok((name.trim().to_string(), PathBuf::from(file)))
-        }
-        _ => Err("write QUERY=FILE, as in heat=heat.csv".to_string()),
-    }
-}
-
-fn point(text: &str) -> Result<[f32; 3], String> {
-    match number(text)? {
-        Value::Vec3(point) => Ok(point),
-        _ => Err(format!("`{text}` is no point; write three numbers, as in 0,1.5,4")),
-    }
-}
-
-fn angle(text: &str) -> Result<f32, String> {
-    match text.parse::<f32>() {
-        Ok(x) if x > 0.0 && x < 180.0 => Ok(x),
-        _ => Err("the angle lies between 0 and 180 degrees".to_string()),
-    }
-}
-
-fn pixels(text: &str) -> Result<[f32; 2], String> {
-    let side = |t: &str| t.parse::<u32>().ok().filter(|n| (1..=1 << 16).contains(n));
-    match text.split_once('x').map(|(w, h)| (side(w), side(h))) {
-        Some((Some(w), Some(h))) => Ok([w as f32, h as f32]),
-        _ => Err(format!("`{text}` is no size of a screen; write 1280x720")),
-    }
-}
-
-const SIZES: &str = "write a whole number of bytes, as in 4G or 500M";
-
-fn bytes(text: &str) -> Result<u64, String> {
-    let number = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
-    let unit = match text[number.len()..].to_ascii_lowercase().as_str() {
-        "" | "b" => 1u64,
-        "k" | "kb" | "kib" => 1 << 10,
-        "m" | "mb" | "mib" => 1 << 20,
-        "g" | "gb" | "gib" => 1 << 30,
-        "t" | "tb" | "tib" => 1 << 40,
-        _ => return Err(SIZES.to_string()),
-    };
-    let number: u64 = number.parse().map_err(|_| SIZES.to_string())?;
-    number.checked_mul(unit).ok_or_else(|| "more bytes than 64 bits can count".to_string())
 }

@@ -1,133 +1,20 @@
 //! From the flags to a plan and its axiom.
 
 use super::axiom::{self, Beginning, files};
-use super::{Failure, colored, counted, flags, say};
+use super::source::{Loaded, Source};
+use super::{Failure, flags};
 use burgeon::curve;
 use burgeon::io::{NetOptions, ReadError, read_nets, values};
-use burgeon::language::check::{Checked, compile};
-use burgeon::language::diagnostic::{self, nearest};
 use burgeon::language::expr::Type;
-use burgeon::language::system::{Axiom, CurveStart, Kind, System};
-use burgeon::language::vocabulary::Vocabulary;
-use burgeon::language::{Diagnostic, Severity, Span, Value, lex, parse, syntax};
+use burgeon::language::system::{Axiom, CurveStart, System};
+use burgeon::language::{Diagnostic, Span, Value};
 use burgeon::patch;
 use burgeon::plan::derive::Start;
-use burgeon::plan::{self, Given, Plan, Unsupported, View, schedule};
+use burgeon::plan::{self, Given, Plan, View, schedule};
 use burgeon::tessellate::Camera;
 use indicatif::HumanBytes;
 use std::io;
 use std::path::{Path, PathBuf};
-
-/// A rule file, read and checked.
-pub struct Source {
-    pub path: PathBuf,
-    pub text: String,
-    pub checked: Checked,
-}
-
-impl Source {
-    /// Reads and checks; diagnostics are not looked at yet.
-    pub fn read(path: &Path) -> Result<Source, Failure> {
-        if ["bpt", "bv", "json", "obj"].iter().any(|e| has_extension(path, e)) {
-            let what = format!("error: {} holds patches, not rules", path.display());
-            let help = "help: give the rule file here, and the patches by --in";
-            return Err(Failure::Usage(format!("{what}\n{help}")));
-        }
-        if ["csv", "svg"].iter().any(|e| has_extension(path, e)) {
-            let what = format!("error: {} holds points, not rules", path.display());
-            let help = "help: give the rule file here, and the points by --in";
-            return Err(Failure::Usage(format!("{what}\n{help}")));
-        }
-        let bytes = std::fs::read(path).map_err(|e| unreadable_rules(path, &e))?;
-        let name = path.display().to_string();
-        let text = match lex::decode(&bytes) {
-            Ok(text) => text.to_string(),
-            Err(d) => {
-                let lossy = String::from_utf8_lossy(&bytes);
-                return Err(Failure::File(diagnostic::render(&[d], &name, &lossy, colored())));
-            }
-        };
-        let checked = compile(&text, &Vocabulary::default());
-        Ok(Source { path: path.to_path_buf(), text, checked })
-    }
-
-    /// These diagnostics as text, and how many they are.
-    pub fn render(&self, diagnostics: &[Diagnostic]) -> String {
-        let name = self.path.display().to_string();
-        let text = diagnostic::render(diagnostics, &name, &self.text, colored());
-        let count = |severity| diagnostics.iter().filter(|d| d.severity == severity).count() as u64;
-        let (errors, warnings) = (count(Severity::Error), count(Severity::Warning));
-        let total = match (errors, warnings) {
-            (0 | 1, 0) | (0, 1) => return text,
-            (0, w) => counted(w, "warning"),
-            (e, 0) => counted(e, "error"),
-            (e, w) => format!("{}, {}", counted(e, "error"), counted(w, "warning")),
-        };
-        format!("{text}{name}: {total}\n")
-    }
-
-    /// One error at a place of the rule file.
-    pub fn error(&self, d: Diagnostic) -> Failure {
-        Failure::File(self.render(&[d]))
-    }
-
-    /// All diagnostics as a failure, if one is an error; else the warnings are said.
-    pub fn refuse_errors(&self) -> Result<(), Failure> {
-        let list = &self.checked.diagnostics;
-        if self.checked.has_errors() {
-            return Err(Failure::File(self.render(list)));
-        }
-        if !list.is_empty() {
-            say(&self.render(list));
-        }
-        Ok(())
-    }
-
-    /// The system of this name, or the last.
-    pub fn system(&self, name: Option<&str>) -> Result<&System, Failure> {
-        let systems = &self.checked.systems;
-        let path = self.path.display();
-        let Some(last) = systems.last() else {
-            let help = "help: a system begins with `system NAME : patch bezier 3`";
-            return Err(Failure::File(format!("error: {path} holds no system\n{help}")));
-        };
-        let Some(name) = name else { return Ok(last) };
-        systems.iter().find(|s| s.name == name).ok_or_else(|| {
-            let names = systems.iter().map(|s| s.name.as_str());
-            let help = did_you_mean(name, names.clone());
-            let names: Vec<&str> = names.collect();
-            Failure::Usage(format!("error: {path} has no system `{name}`; it has {}{help}", names.join(", ")))
-        })
-    }
-
-    /// What this version does not derive, as a diagnostic.
-    pub fn unsupported(&self, e: &Unsupported) -> Failure {
-        let d = Diagnostic::error("E0401", e.span, e.to_string());
-        self.error(d.hint("the system parses and checks; a later version derives it"))
-    }
-
-    /// Whether a param of this name stands outside the systems. Such a one that the system does not
-    /// read is none of its own, but of the file.
-    fn shares_param(&self, name: &str) -> bool {
-        let items = parse(&self.text).file.items;
-        items.iter().any(|item| matches!(item, syntax::FileItem::Param(p) if p.name.text == name))
-    }
-
-    /// The line of a place, from 1.
-    pub fn line(&self, span: Span) -> usize {
-        let before = self.text.as_bytes().get(..span.start as usize).unwrap_or_default();
-        before.iter().filter(|&&b| b == b'\n').count() + 1
-    }
-}
-
-fn unreadable_rules(path: &Path, e: &io::Error) -> Failure {
-    let longer = PathBuf::from(format!("{}.burgeon", path.display()));
-    let help = match e.kind() {
-        io::ErrorKind::NotFound if longer.is_file() => format!("\nhelp: there is {}", longer.display()),
-        _ => String::new(),
-    };
-    Failure::File(format!("error: {}{help}", cannot_read(path, e)))
-}
 
 /// Why a file cannot be read.
 pub fn cannot_read(path: &Path, e: &io::Error) -> String {
@@ -137,11 +24,6 @@ pub fn cannot_read(path: &Path, e: &io::Error) -> String {
         io::ErrorKind::IsADirectory => format!("cannot read {path}: it is a folder"),
         _ => format!("cannot read {path}: {e}"),
     }
-}
-
-/// A line of help, if one of the names is near.
-fn did_you_mean<'a>(name: &str, names: impl IntoIterator<Item = &'a str>) -> String {
-    nearest(name, names).map_or(String::new(), |n| format!("\nhelp: did you mean `{n}`?"))
 }
 
 /// Whether the name of a file ends like this, in any case.
@@ -160,27 +42,14 @@ pub struct Job {
     source: Source,
 }
 
-/// Whether the flags name a system of curves; what is wrong with the file is said by whoever reads it next.
-pub fn is_curve(flags: &flags::System) -> bool {
-    let source = Source::read(&flags.file).ok();
-    let is = |source: &Source| {
-        let system = source.system(flags.system.as_deref()).ok()?;
-        Some(matches!(system.kind, Kind::Curve(_)))
-    };
-    source.as_ref().and_then(is).unwrap_or(false)
-}
-
-/// Reads the rule file and the axiom's files, and makes the plan as `plan` does. All that can be wrong with them is
-/// found here, before a device is opened.
-pub fn job(flags: &flags::Derive, plan: fn(&System) -> Result<Plan, Unsupported>) -> Result<Job, Failure> {
-    let source = Source::read(&flags.system.file)?;
-    source.refuse_errors()?;
-    let system = source.system(flags.system.system.as_deref())?;
-    let plan = plan(system).map_err(|e| source.unsupported(&e))?;
-    let set = set(&source, system, &flags.set)?;
+/// Reads the axiom's files, and what else the flags name. All that can be wrong with them is found here, before a
+/// device is opened.
+pub fn job(loaded: Loaded, plan: Plan, flags: &flags::Derive) -> Result<Job, Failure> {
+    let set = loaded.set(&flags.set)?;
+    let Loaded { source, system } = loaded;
     let uniforms = plan.uniforms(&set).map_err(|e| failure(&source, &plan, e))?;
     schedule::unroll(&plan, &uniforms).map_err(|e| failure(&source, &plan, e))?;
-    let named = files(system);
+    let named = files(&system);
     if flags.bspline
         && !flags.input.as_deref().is_some_and(is_obj)
         && !named.iter().any(|(name, _)| is_obj(Path::new(name)))
@@ -188,7 +57,7 @@ pub fn job(flags: &flags::Derive, plan: fn(&System) -> Result<Plan, Unsupported>
         let what = "--bspline is for an .obj, and neither --in nor the axiom names one";
         return Err(Failure::Usage(format!("error: {what}")));
     }
-    let axiom = axiom::axiom(&source, system, flags.input.as_deref(), flags.bspline)
+    let axiom = axiom::axiom(&source, &system, flags.input.as_deref(), flags.bspline)
         .map_err(|e| e.failure(&source))?;
     let bind = bind(&plan.system, &flags.bind)?;
     let view = sight(&flags.view, flags::Up::Y, axiom.nets().iter())?.map(|s| s.view());
@@ -277,39 +146,6 @@ pub fn sight<'a>(
 pub fn bounds<'a>(nets: impl Iterator<Item = &'a patch::Net>) -> Option<patch::Bounds> {
     let points = nets.flat_map(|net| &net.points);
     patch::Bounds::around(points.map(|p| [p[0] / p[3], p[1] / p[3], p[2] / p[3]]))
-}
-
-/// What of `--set` goes to the system: a param of the file that it does not read is left out.
-pub fn set(
-    source: &Source,
-    system: &System,
-    given: &[(String, Value)],
-) -> Result<Vec<(String, Value)>, Failure> {
-    let own = |name: &str| system.uniforms.iter().any(|u| u.is_param() && u.name == name);
-    let mut set = Vec::new();
-    for (name, value) in given {
-        if own(name) {
-            set.push((name.clone(), value.clone()));
-        } else if source.shares_param(name) {
-            say(&format!("note: {} does not read the param `{name}` that --set gives", system.name));
-        } else {
-            return Err(Failure::Usage(format!("error: {}", no_such_param(system, "--set", name))));
-        }
-    }
-    Ok(set)
-}
-
-/// What a flag says that names a param which the system has not.
-pub fn no_such_param(system: &System, flag: &str, name: &str) -> String {
-    let params: Vec<&str> =
-        system.uniforms.iter().filter(|u| u.is_param()).map(|u| u.name.as_str()).collect();
-    match params.as_slice() {
-        [] => format!("{flag} {name}: the system {} has no params", system.name),
-        list => {
-            let help = did_you_mean(name, list.iter().copied());
-            format!("{flag} {name}: no such param of {}; it has {}{help}", system.name, list.join(", "))
-        }
-    }
 }
 
 /// The same for a job that is still in the making.

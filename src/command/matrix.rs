@@ -1,7 +1,8 @@
 //! `burgeon matrix` and `burgeon infer`.
 
-use super::load::{self, Source};
-use super::{Failure, flags, print};
+use super::load;
+use super::source::Loaded;
+use super::{Failure, counted, flags, print};
 use burgeon::affine::infer::{InferError, infer, parse};
 use burgeon::affine::properties::MOST_DEGREE;
 use burgeon::affine::{Eigenvalue, Error, Matrix, Number, Rules, Scheme};
@@ -13,10 +14,9 @@ use std::path::Path;
 
 /// The subdivision matrix of a group of rules, and what follows from it.
 pub fn matrix(flags: &flags::Matrix) -> Result<(), Failure> {
-    let source = Source::read(&flags.system.file)?;
-    source.refuse_errors()?;
-    let system = source.system(flags.system.system.as_deref())?;
-    let set = load::set(&source, system, &flags.set)?;
+    let loaded = Loaded::read(&flags.system)?;
+    let set = loaded.set(&flags.set)?;
+    let Loaded { source, system } = loaded;
     let failure = |e: Error| match e {
         Error::NotAffine { span, .. } => source.error(Diagnostic::error("E0406", span, e.to_string())),
         Error::Unsupported(e) => source.unsupported(&e),
@@ -24,7 +24,7 @@ pub fn matrix(flags: &flags::Matrix) -> Result<(), Failure> {
         e => Failure::File(format!("error: {}: {e}", flags.system.file.display())),
     };
     let with: Vec<&str> = flags.with.iter().map(String::as_str).collect();
-    let rules = Rules::new(system, &with, &set).map_err(failure)?;
+    let rules = Rules::new(&system, &with, &set).map_err(failure)?;
     let matrix = rules.matrix(flags.n as usize, flags.step).map_err(failure)?;
     // An open word has end rules; only what lies between them repeats.
     let scheme = if rules.is_ring() { Some(rules.scheme(flags.step).map_err(failure)?) } else { None };
@@ -50,8 +50,11 @@ impl Title<'_> {
         let step = if self.step == 0 { String::new() } else { format!(", step {}", self.step) };
         let word = if self.ring { "a ring" } else { "an open word" };
         let (rows, columns) = (matrix.rows.len(), matrix.columns);
-        let mut text =
-            format!("{}{with}{step}: {rows} × {columns}, on {word} of {columns} points\n\n", self.system);
+        let mut text = format!(
+            "{}{with}{step}: {rows} × {columns}, on {word} of {}\n\n",
+            self.system,
+            counted(columns as u64, "point")
+        );
         grid(matrix, &mut text);
         text.push('\n');
         let mut line = |name: &str, value: String| {

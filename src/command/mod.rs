@@ -6,6 +6,7 @@ mod compare;
 mod curve;
 mod devices;
 mod flags;
+mod kinds;
 mod load;
 mod matrix;
 mod output;
@@ -14,8 +15,10 @@ mod quiet;
 mod run;
 mod selftest;
 mod show;
+mod source;
 mod stop;
 mod tessellate;
+mod values;
 mod words;
 
 use clap::{Parser, Subcommand};
@@ -61,7 +64,7 @@ enum Command {
     Compare(flags::Compare),
     /// Run the conformance suite: does the GPU do what the CPU does?
     Selftest(flags::Selftest),
-    /// List the adapters, and which one is taken
+    /// List the adapters, and what --backend auto takes
     Devices(flags::Devices),
     /// Measure CPU and GPU against their memory bandwidth
     Bench(flags::Bench),
@@ -70,9 +73,11 @@ enum Command {
 impl Command {
     fn looks_for_adapters(&self) -> bool {
         match self {
-            Command::Run(flags) => flags.backend != flags::Backend::Cpu || output::needs_adapter(&flags.out),
+            Command::Run(flags) => {
+                flags.backend != flags::Backend::Cpu || output::needs_adapter(&flags.out, flags.format)
+            }
             Command::Tessellate(flags) => {
-                flags.backend != flags::Backend::Cpu || output::needs_adapter(&flags.out)
+                flags.backend != flags::Backend::Cpu || output::needs_adapter(&flags.out, flags.format)
             }
             Command::Compare(_) | Command::Selftest(_) | Command::Devices(_) | Command::Bench(_) => true,
             Command::Check(_) | Command::Wgsl(_) | Command::Matrix(_) | Command::Infer(_) => false,
@@ -180,6 +185,11 @@ pub fn print(text: &str) -> Result<(), Failure> {
 /// Whether messages are coloured.
 pub fn colored() -> bool {
     std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none()
+}
+
+/// What agrees with so many: `1 word differs`, `2 words differ`.
+pub fn agreeing<'a>(n: u64, one: &'a str, several: &'a str) -> &'a str {
+    if n == 1 { one } else { several }
 }
 
 /// `1 step`, `2 steps`.

@@ -2,36 +2,38 @@
 
 use super::load::{self, Job, size};
 use super::progress::Bar;
+use super::source::Loaded;
 use super::tessellate::{self, Work};
-use super::{Failure, counted, flags, output, print, say, stop};
+use super::{Failure, counted, flags, kinds, output, say, stop};
 use burgeon::cpu::Cpu;
+use burgeon::language::system::Kind;
 use burgeon::patch::{self, Net};
 use burgeon::plan::derive::{self, StepStats};
 use burgeon::plan::{self, Options, Plan, Progress, holes};
 use std::time::Instant;
 
-/// Derives and writes.
+/// Derives and writes. The file is read and compiled once, and what is wrong with it comes before any flag.
 pub fn run(flags: &flags::Run) -> Result<(), Failure> {
     let start = Instant::now();
-    if load::is_curve(&flags.derive.system) {
-        return super::curve::run(flags);
+    let loaded = Loaded::read(&flags.derive.system)?;
+    match loaded.system.kind {
+        Kind::Curve(_) => super::curve::run(flags, loaded, start),
+        Kind::Patch { .. } | Kind::Mesh => patches(flags, loaded, start),
     }
-    if flags.points || flags.control {
-        let what = "--points and --control are for the pictures of a curve";
-        return Err(Failure::Usage(format!("error: {what}")));
-    }
-    if let Some(flag) = flags.words.flag() {
-        return Err(Failure::Usage(format!("error: {flag} is for curves")));
-    }
-    let targets = output::targets(&flags.out, &output::ALL)?;
+}
+
+fn patches(flags: &flags::Run, loaded: Loaded, start: Instant) -> Result<(), Failure> {
     let watertight = flags.fineness.tolerance.is_some();
+    // A mesh needs to know where holes are.
+    let plan = loaded.plan(if watertight { Plan::keeping_holes } else { Plan::new })?;
+    kinds::check_run(flags, &loaded.system)?;
+    let targets = output::targets(&flags.out, flags.format, &output::PATCHES)?;
     if let (false, Some(flag)) = (watertight, tessellate::depth_flag(&flags.fineness)) {
         return Err(Failure::Usage(format!(
             "error: {flag} is for the mesh that --tolerance makes; give both"
         )));
     }
-    // A mesh needs to know where holes are.
-    let job = load::job(&flags.derive, if watertight { Plan::keeping_holes } else { Plan::new })?;
+    let job = load::job(loaded, plan, &flags.derive)?;
     if let (false, Some(placement)) = (watertight, &job.plan.placement) {
         say(&format!(
             "note: `place {}` displaces the mesh that --tolerance makes; without it nothing is displaced",
@@ -44,11 +46,7 @@ pub fn run(flags: &flags::Run) -> Result<(), Failure> {
     let bar = Bar::new();
     let progress = |p: Progress| bar.step(p);
     let options = options(&flags.derive, &job, &progress);
-    let derived = derive(flags, &job, &options);
-    if derived.is_err() {
-        bar.clear();
-    }
-    let mut derived = derived?;
+    let mut derived = derive(flags, &job, &options, &bar)?;
     let device = derived.device.as_ref();
     let mut surface = watertight.then(|| {
         let hole = job.plan.hole;
@@ -64,7 +62,7 @@ pub fn run(flags: &flags::Run) -> Result<(), Failure> {
         Some(Ok(surface)) => Ok(tessellate::shape(surface, flags.by_symbol, &targets)),
         Some(Err(why)) => Err(why.clone()),
         None if output::need_mesh(&targets) => {
-            output::diced(word, flags.grid as usize, flags.by_symbol, &bar)
+            output::diced(word, flags.grid, flags.by_symbol, options.max_bytes, &bar)
         }
         None => Ok(output::Shape::default()),
     };
@@ -75,11 +73,12 @@ pub fn run(flags: &flags::Run) -> Result<(), Failure> {
     written?;
     let surface = surface.and_then(Result::ok);
     if flags.stats {
-        return print(&format!("{}\n", stats(&derived, surface.as_ref(), start)));
+        return output::report(&targets, &stats(&derived, surface.as_ref(), start).to_string());
     }
     let (steps, modules) = (word.steps as u64, word.modules.len() as u64);
     let mesh = surface.map_or(String::new(), |surface| format!(", {}", surface.counts()));
-    print(&format!("{}: {}, {}{mesh}\n", word.system, counted(steps, "step"), counted(modules, "module")))
+    let (steps, modules) = (counted(steps, "step"), counted(modules, "module"));
+    output::report(&targets, &format!("{}: {steps}, {modules}{mesh}", word.system))
 }
 
 /// How the library is to run.
@@ -113,42 +112,48 @@ pub use burgeon::gpu::Headless as Device;
 #[cfg(not(feature = "gpu"))]
 pub enum Device {}
 
-fn derive(flags: &flags::Run, job: &Job, options: &Options) -> Result<Derived, Failure> {
-    match device(flags.backend, &flags.derive.machine)? {
+fn derive(flags: &flags::Run, job: &Job, options: &Options, bar: &Bar) -> Result<Derived, Failure> {
+    match device(flags.backend, &flags.derive.machine, bar)? {
         #[cfg(feature = "gpu")]
-        Some(device) => on_gpu(job, options, device),
+        Some(device) => on_gpu(job, options, device, bar),
         #[cfg(not(feature = "gpu"))]
         Some(device) => match device {},
-        None => on_cpu(job, options, flags.derive.machine.threads as usize),
+        None => {
+            bar.doing("deriving");
+            on_cpu(job, options, flags.derive.machine.threads as usize)
+        }
     }
 }
 
-/// The device that the flags ask for; none for the CPU backend.
+/// The device that the flags ask for; none for the CPU backend. Which it is, is said where it was not asked for.
 #[cfg(feature = "gpu")]
-pub fn device(backend: flags::Backend, machine: &flags::Machine) -> Result<Option<Device>, Failure> {
+pub fn device(
+    backend: flags::Backend,
+    machine: &flags::Machine,
+    bar: &Bar,
+) -> Result<Option<Device>, Failure> {
     use burgeon::gpu::Requirement;
-    if backend == flags::Backend::Cpu {
-        return Ok(None);
-    }
-    let requirement = machine.adapter.as_deref().map_or(Requirement::Any, Requirement::Named);
-    let asked_for = backend == flags::Backend::Gpu || machine.adapter.is_some();
-    match Device::new(requirement) {
-        Ok(device) => {
-            if backend == flags::Backend::Auto {
-                super::say(&format!("note: on {}", super::devices::label(&device.info)));
-            }
+    let requirement = match (backend, machine.adapter.as_deref()) {
+        (flags::Backend::Cpu, _) => return Ok(None),
+        (_, Some(name)) => Requirement::Named(name),
+        (flags::Backend::Gpu, None) => Requirement::Any,
+        (flags::Backend::Auto, None) => Requirement::Hardware,
+    };
+    match (Device::new(requirement), requirement) {
+        (Ok(device), _) => {
+            bar.say(&format!("note: on {}", super::devices::label(&device.info)));
             Ok(Some(device))
         }
-        Err(e) if asked_for => Err(Failure::Device(format!("error: {e}"))),
-        Err(e) => {
-            super::say(&format!("note: on the CPU: {e}"));
+        (Err(e), Requirement::Hardware) => {
+            bar.say(&format!("note: on the CPU: {e}"));
             Ok(None)
         }
+        (Err(e), _) => Err(Failure::Device(format!("error: {e}"))),
     }
 }
 
 #[cfg(not(feature = "gpu"))]
-pub fn device(backend: flags::Backend, _: &flags::Machine) -> Result<Option<Device>, Failure> {
+pub fn device(backend: flags::Backend, _: &flags::Machine, _: &Bar) -> Result<Option<Device>, Failure> {
     match backend {
         flags::Backend::Gpu => {
             Err(Failure::Device("error: this burgeon was built without the feature gpu".to_string()))
@@ -158,17 +163,19 @@ pub fn device(backend: flags::Backend, _: &flags::Machine) -> Result<Option<Devi
 }
 
 #[cfg(feature = "gpu")]
-fn on_gpu(job: &Job, options: &Options, device: Device) -> Result<Derived, Failure> {
+fn on_gpu(job: &Job, options: &Options, device: Device, bar: &Bar) -> Result<Derived, Failure> {
     use burgeon::gpu::{Engine, Gpu};
     let engine = Engine::new(&device.device, &device.queue);
     let failure = |e| match e {
         burgeon::gpu::Error::Plan(e) => job.failure(e),
         e => of_gpu(e),
     };
+    bar.doing("compiling kernels");
     let start = Instant::now();
     let mut gpu = Gpu::new(&engine, &job.plan, &job.uniforms).map_err(failure)?;
     gpu.compile().map_err(failure)?;
     let compile_ms = milliseconds(start);
+    bar.doing("deriving");
     let derivation =
         derive::derive(&job.plan, &job.axiom, &job.uniforms, options, &mut gpu).map_err(failure)?;
     let word = derive::collect(&job.plan, &mut gpu, &derivation).map_err(failure)?;

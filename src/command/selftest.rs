@@ -14,7 +14,7 @@ pub fn selftest(_: &flags::Selftest) -> Result<(), Failure> {
 mod on_device {
     use super::super::progress::Bar;
     use super::super::run::of_gpu;
-    use super::super::{counted, devices, print, stop};
+    use super::super::{agreeing, counted, devices, print, stop};
     use super::{Failure, flags};
     use burgeon::conformance::{self, Case, Compared, Outcome, Row, Verdict};
     use burgeon::gpu::{self, Engine, Headless, Requirement};
@@ -90,7 +90,8 @@ mod on_device {
             }
             Verdict::Failed => {
                 let left = of - rows.len();
-                let rest = if left > 0 { format!("; {left} were not tried") } else { String::new() };
+                let were = agreeing(left as u64, "was", "were");
+                let rest = if left > 0 { format!("; {left} {were} not tried") } else { String::new() };
                 Err(Failure::Device(format!("error: the device failed in {failed} of {of} cases{rest}")))
             }
             Verdict::Stopped => {
@@ -122,7 +123,8 @@ mod on_device {
         let agree = rows.iter().filter(|r| matches!(r.outcome, Outcome::Equal | Outcome::Within(_))).count();
         let words = rows.iter().map(|r| r.compared.values).sum();
         let (words, seconds) = (counted(words, "word"), time.as_secs_f64());
-        format!("{agree} of {of} cases agree, {words} compared in {seconds:.1} s on {adapter}")
+        let agreed = agreeing(agree as u64, "agrees", "agree");
+        format!("{agree} of {of} cases {agreed}, {words} compared in {seconds:.1} s on {adapter}")
     }
 
     fn json(info: &wgpu::AdapterInfo, rows: &[Row], of: usize, time: Duration) -> serde_json::Value {

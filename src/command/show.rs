@@ -1,7 +1,7 @@
 //! `burgeon check` and `burgeon wgsl`.
 
 use super::axiom::{self, AxiomError};
-use super::load::Source;
+use super::source::{Loaded, Source, params};
 use super::{Failure, counted, flags, print, say};
 use burgeon::codegen::{self, Tessellation, Tuning};
 use burgeon::language::system::{Axiom, System};
@@ -18,7 +18,7 @@ pub fn check(flags: &flags::Check) -> Result<(), Failure> {
     let mut lines = Vec::new();
     for system in &source.checked.systems {
         match compiled(&source, system) {
-            Ok(note) => lines.push(format!("{}: {note}\n", system.name)),
+            Ok(note) => lines.push(format!("{}: {note}\n{}", system.name, params(system))),
             Err(Wrong::Rules(d)) => list.push(d),
             Err(Wrong::Other(failure)) => failures.push(failure),
         }
@@ -85,10 +85,9 @@ fn vertices(plan: &Plan, placement: &Placement) -> Result<codegen::Shader, codeg
 
 /// The WGSL of every stage and of the placement, then of the kernels that know only the layout.
 pub fn wgsl(flags: &flags::Wgsl) -> Result<(), Failure> {
-    let source = Source::read(&flags.system.file)?;
-    source.refuse_errors()?;
-    let system = source.system(flags.system.system.as_deref())?;
-    let plan = Plan::new(system).map_err(|e| source.unsupported(&e))?;
+    let loaded = Loaded::read(&flags.system)?;
+    let plan = loaded.plan(Plan::new)?;
+    let system = &loaded.system;
     let failed = |e: codegen::Error| Failure::File(format!("error: {e}"));
     let mut text = String::new();
     let mut add = |title: String, shader: &codegen::Shader| {

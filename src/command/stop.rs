@@ -1,7 +1,6 @@
 //! Ctrl-C: what is being done ends at the next good place, and no file is left half written.
 
 use super::Failure;
-use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Set by Ctrl-C.
@@ -22,21 +21,4 @@ pub fn requested() -> bool {
 /// [`Failure::Stopped`] if Ctrl-C has come.
 pub fn check(doing: &str) -> Result<(), Failure> {
     if requested() { Err(Failure::Stopped(format!("error: stopped by Ctrl-C {doing}"))) } else { Ok(()) }
-}
-
-/// A writer that fails once Ctrl-C has come.
-pub struct Stoppable<'a>(pub &'a mut dyn Write);
-
-impl Write for Stoppable<'_> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        if requested() {
-            // Not of the kind `Interrupted`, which asks to try again.
-            return Err(io::Error::other("stopped by Ctrl-C"));
-        }
-        self.0.write(bytes)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.0.flush()
-    }
 }

@@ -4,7 +4,7 @@ use super::flags::Tolerance;
 use super::load::{self, bounds, sight};
 use super::progress::Bar;
 use super::run::{self, Device, milliseconds};
-use super::{Failure, counted, flags, output, print, say, stop};
+use super::{Failure, agreeing, counted, flags, output, stop};
 use burgeon::cpu::tessellate as cpu;
 use burgeon::patch::{Net, Word};
 use burgeon::plan::{self, Plan};
@@ -47,8 +47,9 @@ impl Surface {
 /// Reads patches and writes one mesh.
 pub fn tessellate(flags: &flags::Tessellate) -> Result<(), Failure> {
     let start = Instant::now();
-    let targets = output::targets(&flags.out, output::MESHES)?;
+    // What is wrong with the file comes before what is wrong with flags.
     let word = load::patches(&flags.file, flags.bspline)?;
+    let targets = output::targets(&flags.out, flags.format, &output::TRIANGLES)?;
     let nets: Vec<Net> = (0..word.modules.len())
         .map(|root| Net { degree: word.degree, points: word.net(root).to_vec() })
         .collect();
@@ -60,14 +61,14 @@ pub fn tessellate(flags: &flags::Tessellate) -> Result<(), Failure> {
     let level = level(&flags.fineness, &flags.view, flags.drawing.up, &nets)?;
     stop::watch();
     let bar = Bar::new();
-    let device = run::device(flags.backend, &flags.machine)?;
+    let device = run::device(flags.backend, &flags.machine, &bar)?;
     if flags.fineness.tolerance.is_none() {
         let tolerance = level.tolerance;
         let shown = match (1e-4..1e6).contains(&tolerance) {
             true => tolerance.to_string(),
             false => format!("{tolerance:e}"),
         };
-        say(&format!("note: --tolerance {shown}, a thousandth of the model's diagonal"));
+        bar.say(&format!("note: --tolerance {shown}, a thousandth of the model's diagonal"));
     }
     let work = Work { nets: &nets, word: None, placement: None, level: &level };
     let mut surface = make(&work, device.as_ref(), &flags.machine, &bar);
@@ -98,9 +99,10 @@ pub fn tessellate(flags: &flags::Tessellate) -> Result<(), Failure> {
             "tessellate_ms": surface.ms,
             "total_ms": milliseconds(start),
         });
-        return print(&format!("{stats}\n"));
+        return output::report(&targets, &stats.to_string());
     }
-    print(&format!("{}: {}, {}\n", word.system, counted(nets.len() as u64, "patch"), surface.counts()))
+    let patches = counted(nets.len() as u64, "patch");
+    output::report(&targets, &format!("{}: {patches}, {}", word.system, surface.counts()))
 }
 
 #[cfg(feature = "gpu")]
@@ -178,7 +180,7 @@ pub fn make(
     bar: &Bar,
 ) -> Result<Surface, String> {
     let start = Instant::now();
-    bar.doing("tessellating");
+    bar.doing(&format!("tessellating {}", counted(work.nets.len() as u64, "patch")));
     if work.nets.is_empty() {
         return Ok(Surface { complete: Complete::default(), ms: milliseconds(start) });
     }
@@ -305,8 +307,11 @@ fn say_how_they_meet(topology: &Topology, bar: &Bar) {
     match report.borders as u64 {
         0 => {}
         n => {
-            let why =
-                if topology.roots() == 1 { "" } else { ", which share their control points with no other" };
+            let share = agreeing(n, "shares its", "share their");
+            let why = match topology.roots() {
+                1 => String::new(),
+                _ => format!(", which {share} control points with no other"),
+            };
             note(format!("the surface is open at {}{why}", counted(n, "side")));
         }
     }
@@ -319,8 +324,10 @@ fn say_how_they_meet(topology: &Topology, bar: &Bar) {
     let bent = |root: &u32| collapsed(*root, [0, 1]) && collapsed(*root, [2, 3]);
     let bent: Vec<u32> = (0..topology.roots() as u32).filter(bent).collect();
     if let Some(first) = bent.first() {
-        let all =
-            if bent.len() > 1 { format!(", and so have {} more", bent.len() - 1) } else { String::new() };
+        let all = match bent.len() as u64 - 1 {
+            0 => String::new(),
+            n => format!(", and so {} {n} more", agreeing(n, "has", "have")),
+        };
         note(format!("patch {first} has two neighbouring sides that are points{all}"));
     }
     let named = |[root, side]: [u32; 2]| {
@@ -337,6 +344,9 @@ fn say_how_they_meet(topology: &Topology, bar: &Bar) {
     }
     match report.partial.len().saturating_sub(NAMED) as u64 {
         0 => {}
-        n => note(format!("{} more meet halves of others", counted(n, "side"))),
+        n => {
+            let meet = agreeing(n, "side meets half of another", "sides meet halves of others");
+            note(format!("{n} more {meet}"));
+        }
     }
 }

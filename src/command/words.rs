@@ -1,7 +1,9 @@
 //! Several words in one run: sweeps over params, seeds, the curves of a file.
 
-use super::flags::{self, number};
-use super::load::{self, Job, no_such_param};
+use super::flags;
+use super::load::{self, Job};
+use super::source::no_such_param;
+use super::values::number;
 use super::{Failure, counted};
 use burgeon::curve::{self, Words};
 use burgeon::language::Value;

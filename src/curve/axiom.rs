@@ -125,8 +125,10 @@ fn points<E: std::fmt::Display>(
                 None => Ok(curves.concat()),
                 Some(index) if index < curves.len() => Ok(curves.swap_remove(index)),
                 Some(index) => {
-                    let message =
-                        format!("{path} has {} curves, counted from 0, and no {index}", curves.len());
+                    let message = format!(
+                        "{path} has no curve {index}: counted from 0, its last is {}",
+                        curves.len() - 1
+                    );
                     Err(AxiomError::Wrong { message, span: *span })
                 }
             }

@@ -16,7 +16,7 @@ pub mod tessellate;
 mod turtle;
 
 pub use backend::{Gpu, GpuChunk, derive, derive_curve};
-pub use headless::{Headless, Requirement, adapters, adapters_in};
+pub use headless::{Headless, Requirement, adapters, adapters_in, is_hardware};
 pub use scans::{Bandwidth, Measure, ScanBuffers, Scans};
 pub use stencil::Stencil;
 

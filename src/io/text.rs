@@ -94,7 +94,7 @@ pub enum Problem {
     #[error(transparent)]
     Grid(GridError),
     #[error(
-        "{found} numbers in this row, and {first} in the first: a point has two to four, and all have as many"
+        "numbers in this row: {found}, in the first: {first}; a point has two to four, and all have as many"
     )]
     Row { found: usize, first: usize },
     #[error("`{found}` stands where a number, true or false should")]

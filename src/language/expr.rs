@@ -103,6 +103,29 @@ impl Value {
     }
 }
 
+/// As the language writes it.
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let float = |x: f32| match x.abs() {
+            size if size == 0.0 || (1e-4..1e7).contains(&size) => x.to_string(),
+            _ => format!("{x:e}"),
+        };
+        let vector = |v: &[f32]| v.iter().map(|&x| float(x)).collect::<Vec<_>>().join(", ");
+        match self {
+            Value::Bool(b) => write!(f, "{b}"),
+            Value::Int(i) => write!(f, "{i}"),
+            Value::Float(x) => f.write_str(&float(*x)),
+            Value::Vec2(v) => write!(f, "({})", vector(v)),
+            Value::Vec3(v) => write!(f, "({})", vector(v)),
+            Value::Vec4(v) => write!(f, "({})", vector(v)),
+            Value::List(list) => {
+                let list: Vec<String> = list.iter().map(Value::to_string).collect();
+                write!(f, "[{}]", list.join(", "))
+            }
+        }
+    }
+}
+
 /// A typed expression. Two that say the same are equal wherever they stand.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expr {

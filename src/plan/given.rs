@@ -149,7 +149,7 @@ impl Given {
             Values::Roots(list) if list.len() != roots => {
                 let (found, wanted) = (list.len(), roots);
                 return Err(Error::Bind(format!(
-                    "{name} is bound to {found} values; the axiom has {wanted} patches, and each wants one"
+                    "{name} wants a value for each patch of the axiom, {wanted}, and is bound to {found}"
                 )));
             }
             Values::Roots(list) => (list, [base, list.len() as u32, 1, 1, 0, 0, 0, 0, 0, 0]),
@@ -184,7 +184,7 @@ fn place_of(grid: &Grid, name: &str, base: u32) -> Result<[u32; QUERY_WORDS], Er
         ));
     }
     if points != Some(grid.values.len()) {
-        return wrong(format!("has {} values for {x}×{y}×{z} points", grid.values.len()));
+        return wrong(format!("has {x}×{y}×{z} points, and values for {}", grid.values.len()));
     }
     let mut place = [base, x, y, z, 0, 0, 0, 0, 0, 0];
     for axis in 0..3 {

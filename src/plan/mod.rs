@@ -194,8 +194,7 @@ fn uniforms(system: &System, set: &[(String, Value)]) -> Result<Vec<Value>, Erro
 }
 
 fn no_such_param(system: &System, name: &str) -> String {
-    let params: Vec<&str> =
-        system.uniforms.iter().filter(|u| u.is_param()).map(|u| u.name.as_str()).collect();
+    let params: Vec<&str> = system.params().map(|param| param.name).collect();
     match params.as_slice() {
         [] => format!("`{name}` cannot be set: the system {} has no params", system.name),
         list => format!("`{name}` is no param of {}; it has {}", system.name, list.join(", ")),
@@ -216,18 +215,8 @@ fn fit(name: &str, ty: &Type, value: &Value, range: Option<&(Value, Value)>) -> 
     };
     match range {
         Some((low, high)) if !inside(low, high) => {
-            let (low, high) = (show(low), show(high));
-            Err(Error::Set(format!("param {name} = {} lies outside {low} .. {high}", show(&value))))
+            Err(Error::Set(format!("param {name} = {value} lies outside {low} .. {high}")))
         }
         _ => Ok(value),
-    }
-}
-
-fn show(value: &Value) -> String {
-    match value {
-        Value::Int(i) => i.to_string(),
-        Value::Float(x) => x.to_string(),
-        Value::Bool(b) => b.to_string(),
-        other => format!("{other:?}"),
     }
 }

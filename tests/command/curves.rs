@@ -76,7 +76,7 @@ fn bad_files_of_points_are_shown_with_their_place() {
     let folder = with_points();
     let cases = [
         ("none.csv", "", "none.csv:1:1: the file ends where point 0 should stand"),
-        ("short.csv", "0,0\n1\n", "short.csv:2:1: 1 numbers in this row, and 2 in the first"),
+        ("short.csv", "0,0\n1\n", "short.csv:2:1: numbers in this row: 1, in the first: 2;"),
         ("nan.csv", "0,0\n1,nan\n", "nan.csv:2:3: y of point 1 is `nan`; coordinates must be finite"),
         ("none.obj", "# nothing\n", "none.obj:1:10: the file ends where vertex 1 should stand"),
         ("none.svg", "", "none.svg:1:1: the file is empty"),
@@ -96,11 +96,7 @@ fn bad_files_of_points_are_shown_with_their_place() {
 }
 
 #[test]
-fn flags_of_patches_are_refused() {
+fn points_are_no_rules() {
     let folder = with_points();
-    for flag in ["--wireframe", "--by-symbol"] {
-        let ran = folder.run_in_vain(&["run", "c.burgeon", "--backend", "cpu", flag, "--out", "a.png"]);
-        ran.fails(2, &["--wireframe and --by-symbol are for patches"]);
-    }
     folder.run_in_vain(&["run", "points.csv"]).fails(2, &["points.csv holds points, not rules"]);
 }

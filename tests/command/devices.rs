@@ -24,7 +24,8 @@ fn cpu_and_gpu_write_the_same_word() {
         for (backend, out) in [("cpu", "cpu.json"), ("gpu", "gpu.json")] {
             let args = [&["run", &file, "--backend", backend, "--out", out][..], more].concat();
             let ran = run_gpu(&folder, &adapter, &args);
-            assert_eq!(ran.succeeds().stderr, "");
+            let said = ran.succeeds().stderr.lines().count();
+            assert_eq!(said, usize::from(backend == "gpu"), "{ran:?}");
         }
         assert!(folder.read("cpu.json") == folder.read("gpu.json"), "{name}");
     }
@@ -44,11 +45,40 @@ fn stats_of_the_gpu() {
     assert!(stats["compile_ms"].as_f64() > Some(0.0));
 }
 
+/// Whether a run can have a GPU without asking for a software one.
+fn has_hardware() -> bool {
+    burgeon::gpu::adapters().iter().any(|adapter| burgeon::gpu::is_hardware(&adapter.get_info()))
+}
+
+fn backend_of(ran: &Ran) -> String {
+    let stats: serde_json::Value = serde_json::from_str(&ran.succeeds().stdout).expect("JSON");
+    stats["backend"].as_str().expect("a name").to_string()
+}
+
+/// Software adapters are slower than the CPU backend, so that they are taken by those alone who ask for them.
 #[test]
-fn auto_says_where_it_runs() {
-    let Some(adapter) = gpu() else { return };
+fn auto_takes_hardware_or_the_cpu_and_says_so() {
+    if gpu().is_none() {
+        return;
+    }
     let folder = Folder::new();
-    run_gpu(&folder, &adapter, &["run", "quarters.burgeon"]).succeeds().says(&["note: on "]);
+    let [auto, gpu] = ["auto", "gpu"]
+        .map(|backend| folder.run_in_vain(&["run", "quarters.burgeon", "--stats", "--backend", backend]));
+    match has_hardware() {
+        true => assert_eq!((backend_of(&auto).as_str(), &auto.stderr), ("gpu", &gpu.stderr)),
+        false => {
+            assert_eq!(backend_of(&auto), "cpu");
+            auto.says(&["note: on the CPU: there is no hardware adapter, only software: "]);
+            gpu.says(&[", software)"]);
+        }
+    }
+    assert_eq!(backend_of(&gpu), "gpu");
+    gpu.says(&["note: on "]);
+    // Who names one asks for it.
+    let name = gpu.stderr.trim_start_matches("note: on ").split(" (").next().expect("a name");
+    let named = folder.run_in_vain(&["run", "quarters.burgeon", "--stats", "--adapter", name]);
+    assert_eq!(backend_of(&named), "gpu");
+    named.says(&["note: on ", name]);
 }
 
 #[test]
@@ -88,10 +118,10 @@ fn pictures() {
     assert!(folder.read("y.png") != folder.read("z.png"));
     // Of nothing, there is an empty picture.
     folder.write("erase.burgeon", rules("  P(n) -> eps\n"));
-    run_gpu(&folder, &adapter, &["run", "erase.burgeon", "--out", "none.png"]).succeeds();
+    run_gpu(&folder, &adapter, &["run", "erase.burgeon", "--backend", "gpu", "--out", "none.png"]).succeeds();
     assert!(folder.read("none.png").starts_with(b"\x89PNG"));
     // A folder that is not there is the file's fault, not the device's.
-    run_gpu(&folder, &adapter, &["run", "quarters.burgeon", "--out", "gone/a.png"])
+    run_gpu(&folder, &adapter, &["run", "quarters.burgeon", "--backend", "gpu", "--out", "gone/a.png"])
         .says(&["gone/a.png: there is no folder gone"]);
 }
 
@@ -132,8 +162,11 @@ fn devices_are_listed() {
     }
     let folder = Folder::new();
     let ran = folder.run_in_vain(&["devices"]);
-    assert!(ran.succeeds().stdout.starts_with("auto -> "), "{ran:?}");
-    assert_eq!(ran.stdout.matches("auto -> ").count(), 1);
+    let auto: Vec<&str> = ran.succeeds().stdout.lines().filter(|line| line.starts_with("auto -> ")).collect();
+    assert_eq!(auto.len(), 1, "{ran:?}");
+    assert_eq!(auto[0].contains("the CPU backend"), !has_hardware(), "{ran:?}");
+    assert!(!auto[0].contains("software"), "{ran:?}");
+    assert_eq!(ran.stdout.contains("gpu  -> "), !has_hardware(), "{ran:?}");
     for text in ["driver: ", "largest binding ", " MiB, ", "storage buffers a stage", "the CPU backend"] {
         assert!(ran.stdout.contains(text), "{ran:?}");
     }
@@ -153,7 +186,9 @@ fn nothing_is_said_about_the_desktop() {
             let mut command = folder.command(args);
             command.env_remove("WAYLAND_DISPLAY").env_remove("XDG_RUNTIME_DIR");
             set.map(|value| command.env("XDG_RUNTIME_DIR", value));
-            assert_eq!(ran(command).succeeds().stderr, "");
+            let ran = ran(command);
+            let own = |line: &str| line.starts_with("note: on ");
+            assert!(ran.succeeds().stderr.lines().all(own), "{ran:?}");
         }
     }
 }

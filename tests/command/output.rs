@@ -3,6 +3,9 @@
 use super::*;
 use burgeon::io::{bpt, json};
 
+const CURVE: &str = "system c : curve ring\nmodule P(v: vec2)\naxiom: P((0,0)) P((4,0)) P((4,3))\nrules:\n  \
+                     P(vl) < P(v) > P(vr) -> P(1/4*vl + 3/4*v) P(3/4*v + 1/4*vr)\nrun:\n  derive 2\n";
+
 fn run(folder: &Folder, file: &str, outs: &[&str]) -> Ran {
     let mut args = vec!["run", file, "--backend", "cpu"];
     args.extend(outs.iter().flat_map(|out| ["--out", out]));
@@ -51,11 +54,102 @@ fn the_grid_is_what_is_asked_for() {
         let obj = folder.text("a.obj");
         assert_eq!([lines(&obj, "v"), lines(&obj, "f")], [16 * (n + 1) * (n + 1), 16 * 2 * n * n]);
     }
-    // 4,096 leaves with 256² cells each are over two million triangles; with 8² they are not.
+    // 16,384 leaves with 8² cells each are over two million triangles; one that is asked for is kept all the same.
+    folder.write("seven.burgeon", QUARTERS.replace("derive 2", "derive 7"));
+    let seven = ["run", "seven.burgeon", "--backend", "cpu", "--out", "a.ply"];
+    let faces = |count: usize| {
+        let ply = folder.read("a.ply");
+        String::from_utf8_lossy(&ply[..400]).contains(&format!("\nelement face {count}\n"))
+    };
+    folder.run(&seven).succeeds().says(&["note: a grid of 4 in place of 8: ", "2 million", "--grid N"]);
+    assert!(faces(16384 * 32));
+    let ran = folder.run(&[&seven[..], &["--grid", "8"]].concat());
+    assert_eq!(ran.succeeds().stderr, "");
+    assert!(faces(16384 * 128));
+}
+
+/// What is too much is said with its counts; what is no triangle is still written.
+#[test]
+fn a_grid_beyond_the_budget() {
+    let folder = Folder::new();
     folder.write("six.burgeon", QUARTERS.replace("derive 2", "derive 6"));
-    let args = ["run", "six.burgeon", "--backend", "cpu", "--grid", "256", "--out", "a.obj"];
-    folder.run(&args).succeeds().says(&["--grid 8 in place of 256", "2 million"]);
-    assert_eq!(lines(&folder.text("a.obj"), "f"), 4096 * 128);
+    let args = ["run", "six.burgeon", "--backend", "cpu", "--grid", "256", "--max-memory", "64M", "--out"];
+    let ran = folder.run(&[&args[..], &["a.obj", "--out", "a.bpt"]].concat());
+    let counts = "a.obj: a grid of 256 × 256 on 4,096 modules makes 536,870,912 triangles, which take at least 14.06 GiB";
+    ran.fails(3, &[counts, "the memory budget is 64.00 MiB", "a smaller --grid"]);
+    assert!(folder.holds("a.bpt") && !folder.holds("a.obj"));
+}
+
+/// The standard output takes one file and nothing else, byte for byte.
+#[test]
+fn the_standard_output() {
+    let folder = Folder::new();
+    folder.write("c.burgeon", CURVE);
+    let raw = |args: &[&str]| {
+        let output = folder.command(args).stdin(Stdio::null()).output().expect("the command runs");
+        assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
+        (output.stdout, String::from_utf8(output.stderr).expect("UTF-8"))
+    };
+    let patches = ["run", "quarters.burgeon", "--backend", "cpu"];
+    let curves = ["run", "c.burgeon", "--backend", "cpu"];
+    let mesh = ["tessellate", "net.bpt", "--backend", "cpu", "--tolerance", "1"];
+    let of_patches = ["bpt", "bv", "json", "obj", "ply", "glb"].map(|format| (&patches[..], format));
+    let of_curves = ["svg", "png", "obj", "csv", "json"].map(|format| (&curves[..], format));
+    let of_mesh = ["obj", "ply", "glb"].map(|format| (&mesh[..], format));
+    for (args, format) in of_patches.into_iter().chain(of_curves).chain(of_mesh) {
+        let (content, said) = raw(&[args, &["--out", "-", "--format", format]].concat());
+        let file = format!("a.{format}");
+        let ran = folder.run(&[args, &["--out", &file]].concat());
+        assert!(content == folder.read(&file) && !content.is_empty(), "{args:?} {format}");
+        // What is said otherwise on stdout.
+        assert_eq!(said.lines().last(), ran.succeeds().stdout.lines().last(), "{args:?} {format}");
+    }
+    let (word, said) =
+        raw(&[&patches[..], &["--out", "-", "--format", "json", "--out", "b.json", "--stats"]].concat());
+    assert!(json::parse(&word).is_ok_and(|word| word.modules.len() == 16) && word == folder.read("b.json"));
+    assert!(
+        serde_json::from_str::<serde_json::Value>(said.trim_end())
+            .is_ok_and(|stats| stats["backend"] == "cpu")
+    );
+}
+
+#[test]
+fn the_standard_output_has_a_format() {
+    let folder = Folder::new();
+    folder.write("c.burgeon", CURVE);
+    let cases: [(&str, &[&str], &[&str]); 6] = [
+        ("quarters", &["--out", "-"], &["--format says, as in --format json", ".bpt, .bv, .json"]),
+        ("quarters", &["--out", "-", "--format", "svg"], &["--format svg: patches are written as .bpt"]),
+        ("c", &["--out", "-", "--format", "glb"], &["--format glb: curves are written as .svg"]),
+        ("c", &["--out", "a.svg", "--format", "svg"], &["--format is for --out -", "the extension"]),
+        ("c", &["--out", "-", "--out", "-", "--format", "svg"], &["--out - is given twice"]),
+        ("c", &["--out", "./-"], &["--out ./-: curves are written as"]),
+    ];
+    for (file, flags, says) in cases {
+        let file = format!("{file}.burgeon");
+        folder.run_in_vain(&[&["run", &file, "--backend", "cpu"], flags].concat()).fails(2, says);
+    }
+    // What fails leaves nothing there, either.
+    let args = ["run", "quarters.burgeon", "--backend", "cpu", "--grid", "256", "--max-memory", "1M"];
+    let ran = folder.run_in_vain(&[&args[..], &["--out", "-", "--format", "obj"]].concat());
+    ran.fails(3, &["the standard output: a grid of 256 × 256"]);
+}
+
+/// `burgeon run … --out - | head` is no failure; a full disk is.
+#[test]
+fn a_reader_of_the_standard_output_that_goes_away() {
+    let folder = Folder::new();
+    let args = ["run", "quarters.burgeon", "--backend", "cpu", "--out", "-", "--format", "obj"];
+    let mut child =
+        folder.command(&args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
+    drop(child.stdout.take());
+    finished(child, "a closed pipe").succeeds();
+    #[cfg(target_os = "linux")]
+    {
+        let full = std::fs::OpenOptions::new().write(true).open("/dev/full").expect("/dev/full");
+        let child = folder.command(&args).stdout(full).stderr(Stdio::piped()).spawn().expect("it starts");
+        finished(child, "a full disk").fails(1, &["cannot write to the standard output: No space left"]);
+    }
 }
 
 #[test]

@@ -42,11 +42,21 @@ fn values_that_are_wrong_are_named() {
     text("a.csv", "warm\n", 1, &["a.csv:1:1: `warm` stands where a number, true or false should"]);
     text("b.csv", "0.5\n1, 2\n", 1, &["b.csv:2:1: this line is no float: write one number"]);
     text("c.csv", "1e39\n", 1, &["c.csv:1:1", "within the range of 32-bit floats"]);
-    text("d.csv", "1\n2\n", 2, &["Heat is bound to 2 values; the axiom has 1 patches", "--bind QUERY=FILE"]);
+    text(
+        "d.csv",
+        "1\n2\n",
+        2,
+        &["Heat wants a value for each patch of the axiom, 1, and is bound to 2", "--bind QUERY=FILE"],
+    );
     text("e.txt", "1\n", 1, &["e.txt", ".csv", ".json"]);
     text("a.json", "{\"size\": [1, 1]}", 1, &["a.json:1:", "a grid is {\"size\""]);
     text("b.json", &GRID.replace("0.75", "true"), 1, &["b.json: value 0 is no float"]);
-    text("c.json", &GRID.replace("0.75", "1, 2"), 2, &["the grid of Heat has 2 values for 1×1×1 points"]);
+    text(
+        "c.json",
+        &GRID.replace("0.75", "1, 2"),
+        2,
+        &["the grid of Heat has 1×1×1 points, and values for 2"],
+    );
     let run =
         |more: &[&str]| folder.run_in_vain(&[&["run", "bound.burgeon", "--backend", "cpu"], more].concat());
     run(&[]).fails(2, &["nothing is bound to the query Heat; it wants one value a patch"]);

@@ -155,6 +155,11 @@ fn files_that_cannot_be_tessellated() {
     for (file, status, said) in cases {
         let outs = ["--out", "a.obj", "--out", "a.glb"];
         folder.run_in_vain(&tessellate(file, &outs)).fails(status, said);
+        // Whatever is wrong with the flags beside.
+        for flags in [&["--out", "a.bpt"][..], &["--out", "-"], &["--tolerance", "1px"], &["--eye", "1,2,3"]]
+        {
+            folder.run_in_vain(&tessellate(file, flags)).fails(status, said);
+        }
     }
 }
 

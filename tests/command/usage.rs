@@ -71,7 +71,13 @@ fn params_that_cannot_be_set() {
     let text = QUARTERS.replace("module", &format!("{params}module"));
     folder.write("p.burgeon", text.replace("  derive 2", "  if x > 0 {\n    derive levels\n  }"));
     let cases: [(&str, &[&str]); 13] = [
-        ("level=1", &["--set level", "it has levels, x", "did you mean `levels`?"]),
+        (
+            "level=1",
+            &[
+                "--set level: no such param of quarters; it has\n  param levels: int = 1 in 0 .. 3\n  param x: float = 0.5\n",
+                "did you mean `levels`?",
+            ],
+        ),
         ("levels=4", &["levels = 4", "0 .. 3"]),
         ("levels=-1", &["levels = -1", "0 .. 3"]),
         ("levels=1.5", &["levels", "type int, not float"]),
@@ -234,6 +240,16 @@ fn help_and_version() {
         assert!(help.succeeds().stdout.contains(&format!("Usage: burgeon {command}")), "{help:?}");
         assert!(help.stdout.lines().all(|line| line.chars().count() <= 100), "{help:?}");
     }
+    let headings =
+        ["Derivation", "Viewer", "Machine", "Output", "Triangles of patches", "Curves", "Pictures"];
+    let help = folder.run_in_vain(&["run", "--help"]).stdout;
+    headings.iter().for_each(|name| assert!(help.contains(&format!("\n{name}:\n")), "no {name} in {help}"));
+    // No flag of a heading stands under the one before.
+    let derivation = help.split("\nDerivation:\n").nth(1).and_then(|rest| rest.split("\n\n").next());
+    assert!(
+        derivation.is_some_and(|text| text.contains("--seed") && !text.contains("FILE.burgeon")),
+        "{help}"
+    );
     assert!(ran.stdout.contains("130  stopped by Ctrl-C"), "{ran:?}");
     let flags = [
         "--system",
@@ -308,6 +324,14 @@ fn check_says_what_it_found() {
     let folder = Folder::new();
     let ran = folder.run_in_vain(&["check", "quarters.burgeon"]);
     assert_eq!(ran.succeeds().stdout, "quarters: checked and compiled, 1 root\n");
+    let params =
+        "param depth: int = 2 in 0 .. 9\nparam bend: float = 1e-5\nparam eye: vec3 = (0, -1.5, 4)\nmodule";
+    let rule = "P(n) : n < depth && eye.x + bend > 0 ->";
+    folder.write("p.burgeon", QUARTERS.replace("module", params).replace("P(n) ->", rule));
+    let ran = folder.run_in_vain(&["check", "p.burgeon"]);
+    let lines =
+        "  param depth: int = 2 in 0 .. 9\n  param bend: float = 1e-5\n  param eye: vec3 = (0, -1.5, 4)\n";
+    assert_eq!(ran.succeeds().stdout, format!("quarters: checked and compiled, 1 root\n{lines}"));
     for entry in std::fs::read_dir(example("")).expect("examples") {
         let path = entry.expect("an entry").path();
         if path.extension().is_some_and(|e| e == "burgeon") {

@@ -75,6 +75,25 @@ fn seeds_are_curves_of_their_own() {
         assert_eq!(all["words"][n]["seed"], 3 + n);
     }
     folder.run(&[&run[..], &["--seeds", "11", "--seed", "7", "--out", "tree_{}.svg"]].concat()).succeeds();
+    // Below 0 they are two's complement, and after the last comes the first.
+    let around = ["--seeds", "2", "--seed", "-1", "--out", "around.json"];
+    folder.run(&[&run[..], &around].concat()).succeeds();
+    let around = json(&folder, "around.json");
+    let seeds = [0, 1].map(|n| around["words"][n]["seed"].as_u64());
+    assert_eq!(seeds, [Some(u32::MAX.into()), Some(0)]);
+    for seed in ["-1", "4294967295", "0xFFFFFFFF"] {
+        for given in [&["--seed", seed][..], &[&format!("--seed={seed}")]] {
+            folder.run(&[&run[..], given, &["--out", "alone.json"]].concat()).succeeds();
+            assert_eq!(around["words"][0]["word"], json(&folder, "alone.json"), "{given:?}");
+        }
+    }
+    folder.run(&[&run[..], &["--set", "seed=-1", "--out", "alone.json"]].concat()).succeeds();
+    assert_eq!(around["words"][0]["word"], json(&folder, "alone.json"));
+    for (seed, says) in
+        [("-2147483649", "-2147483648 to 4294967295"), ("1.5", "a whole number"), ("-x", "0x")]
+    {
+        folder.run_in_vain(&[&run[..], &["--seed", seed]].concat()).fails(2, &["--seed", says]);
+    }
     assert!(folder.holds("tree_00.svg") && folder.holds("tree_10.svg") && !folder.holds("tree_11.svg"));
 }
 
@@ -105,7 +124,7 @@ fn what_is_wrong_with_several_curves_is_said() {
     let folder = folder();
     folder.write(
         "p.burgeon",
-        "system p : patch bezier 3\naxiom: P = file \"p.bpt\"\nrules:\n  P -> [ P | P ]\nrun:\n  derive 1\n",
+        "system p : patch bezier 3\nmodule P\naxiom: P = file \"p.bpt\"\nrules:\n  P -> [ P | P ]\nrun:\n  derive 1\n",
     );
     folder.write("one.burgeon", CURVE.replace("points.csv\"", "points.csv\"[0]"));
     folder.write(
@@ -124,7 +143,11 @@ fn what_is_wrong_with_several_curves_is_said() {
         (&["c.burgeon", "--sweep", "w=0..true/3"], 2, "w is of type float; both ends must be of it"),
         (&["c.burgeon", "--sweep", "w=0..1/3"], 2, "param w = 1 lies outside 0 .. 0.5"),
         (&["c.burgeon", "--sweep", "levels=0..3/3"], 2, "3 ints do not stand evenly from 0 to 3"),
-        (&["c.burgeon", "--sweep", "v=0..1/3"], 2, "--sweep v: no such param of c; it has w, levels"),
+        (
+            &["c.burgeon", "--sweep", "v=0..1/3"],
+            2,
+            "--sweep v: no such param of c; it has\n  param w: float = 0.25 in 0 .. 0.5\n  param levels: int = 2\n",
+        ),
         (&["c.burgeon", "--sweep", "w=0..0.5/2", "--set", "w=0"], 2, "--sweep w: the param is given twice"),
         (&["c.burgeon", "--sweep", "w=0..0.5/9000000"], 2, "w takes more than 1048576 values"),
         (&["c.burgeon", "--sweep", "w=0..0.5/90000", "--seeds", "90"], 2, "these are 8,100,000 curves"),

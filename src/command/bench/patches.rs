@@ -2,6 +2,7 @@
 
 use super::systems::{Plans, axiom, made};
 use super::{Case, Failure, threads};
+use crate::command::counted;
 use burgeon::cpu;
 use burgeon::language::Value;
 use burgeon::language::expr::Expr;
@@ -150,7 +151,7 @@ pub(super) fn derive_case<'a, B: Backend + 'a>(
     let pieces = if parts == 1 { "one chunk".to_string() } else { format!("{parts} chunks") };
     Ok(Case {
         name: "patch/derive",
-        case: format!("{} roots to depth {levels}, {pieces}", roots.len()),
+        case: format!("{} to depth {levels}, {pieces}", counted(roots.len() as u64, "root")),
         backend: label.0,
         threads: label.1,
         bytes,
@@ -191,7 +192,7 @@ pub(super) fn last_step_case<'a, B: Backend + 'a>(
     };
     Ok(Case {
         name: "patch/derive",
-        case: format!("{} roots, step {levels} alone", roots.len()),
+        case: format!("{}, step {levels} alone", counted(roots.len() as u64, "root")),
         backend: label.0,
         threads: label.1,
         bytes: step_bytes(plan, before_last),

@@ -2,13 +2,18 @@
 
 use super::gpu::Adapter;
 use super::{Case, ROUNDS, threads};
+use crate::command::counted;
 
 pub(super) fn of<'c, 'a>(cases: &'c [Case<'a>], name: &str, backend: &str) -> Option<&'c Case<'a>> {
     cases.iter().find(|c| c.name == name && c.backend == backend)
 }
 
 pub(super) fn table(adapter: &Adapter, cases: &[Case]) -> String {
-    let mut text = format!("{}; {} threads; medians of {ROUNDS} rounds\n\n", adapter.name(), threads());
+    let mut text = format!(
+        "{}; {}; medians of {ROUNDS} rounds\n\n",
+        adapter.name(),
+        counted(threads() as u64, "thread")
+    );
     text.push_str(&format!(
         "{:13} {:44} {:7} {:>10} {:>8} {:>11} {:>8}\n",
         "name", "case", "backend", "ms", "GB/s", "M items/s", "of copy"

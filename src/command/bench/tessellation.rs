@@ -1,6 +1,7 @@
 //! Cases of watertight tessellations: a frame and its parts, on any backend.
 
 use super::{Case, Failure, kernels::infallible, threads};
+use crate::command::counted;
 use burgeon::cpu::tessellate::Tessellator;
 use burgeon::patch::Net;
 use burgeon::tessellate::{Camera, Level, Options, bound, surface};
@@ -71,9 +72,11 @@ pub(super) fn cpu_cases<'a>(roots: &[Net], crowd: &[Net], cases: &mut Vec<Case<'
     let (vertices, triangles) = (u64::from(s.vertices), u64::from(s.indices) / 3);
     let uniform = uniform_triangles(roots, TOLERANCE);
     super::super::say(&format!(
-        "{} patches within {TOLERANCE}: {vertices} vertices, {triangles} triangles; {uniform} by uniform dicing of \
-         each patch at the same bound; {} bytes of trees a vertex",
-        roots.len(),
+        "{} within {TOLERANCE}: {}, {}; {uniform} by uniform dicing of each patch at the same bound; {} bytes of \
+         trees a vertex",
+        counted(roots.len() as u64, "patch"),
+        counted(vertices, "vertex"),
+        counted(triangles, "triangle"),
         u64::from(s.nodes) * 44 / vertices.max(1),
     ));
     let mut add = |case: &str, bytes: u64, items: u64, run: Box<dyn FnMut() -> Result<_, Failure>>| {
