@@ -47,12 +47,12 @@ fn conditional(steps: u32) -> String {
     one_group("P(n: int)", "P(0) = file \"x\"", rule, &format!("derive {steps}"))
 }
 
-type Run<B> = Result<(Word, Derivation<<B as Backend>::Chunk>), <B as Backend>::Error>;
+type Run<B> = Result<(Word, Derivation<<B as Backend>::Chunk, Word>), <B as Backend>::Error>;
 
 /// Derives and reads.
 fn run<B: Backend>(job: &Job, backend: &mut B, options: &Options) -> Run<B> {
-    let derivation = derive(&job.plan, &job.axiom, &job.uniforms, options, backend)?;
-    Ok((collect(&job.plan, backend, &derivation)?, derivation))
+    let derivation = derive(&job.axiom, options, backend)?;
+    Ok((collect(backend, &derivation)?, derivation))
 }
 
 /// Why it fails; whatever the backend, it is the plan that says so.
@@ -145,13 +145,13 @@ fn run_and_lose(job: &Job, engine: &Engine, moment: Moment) -> Result<Word, gpu:
         }
     };
     lose(Moment::BeforeTheBackend);
-    let mut gpu = Gpu::new(engine, &job.plan, &job.uniforms)?;
+    let mut gpu = Gpu::new(engine, &job.plan)?;
     lose(Moment::BeforeTheRun);
     let progress = |_: plan::Progress| lose(Moment::BetweenSteps);
     let options = Options { progress: Some(&progress), ..Options::default() };
-    let derivation = derive(&job.plan, &job.axiom, &job.uniforms, &options, &mut gpu)?;
+    let derivation = derive(&job.axiom, &options, &mut gpu)?;
     lose(Moment::BeforeReading);
-    collect(&job.plan, &mut gpu, &derivation)
+    collect(&mut gpu, &derivation)
 }
 
 #[test]

@@ -11,7 +11,6 @@ use burgeon::language::system::{Axiom, CurveStart, Kind, System};
 use burgeon::language::vocabulary::Vocabulary;
 use burgeon::language::{Diagnostic, Severity, Span, Value, lex, parse, syntax};
 use burgeon::patch;
-use burgeon::plan::derive::Start;
 use burgeon::plan::{self, Given, Plan, Unsupported, View, schedule};
 use burgeon::tessellate::Camera;
 use indicatif::HumanBytes;
@@ -154,7 +153,6 @@ pub struct Job {
     pub plan: Plan,
     pub axiom: Beginning,
     pub set: Vec<(String, Value)>,
-    pub uniforms: Vec<Value>,
     pub bind: Vec<(String, patch::Values)>,
     pub view: Option<View>,
     source: Source,
@@ -193,7 +191,7 @@ pub fn job(flags: &flags::Derive, plan: fn(&System) -> Result<Plan, Unsupported>
     let bind = bind(&plan.system, &flags.bind)?;
     let view = sight(&flags.view, flags::Up::Y, axiom.nets().iter())?.map(|s| s.view());
     Given::new(&plan.system, axiom.roots(), &bind, view).map_err(|e| failure(&source, &plan, e))?;
-    Ok(Job { plan, axiom, set, uniforms, bind, view, source })
+    Ok(Job { plan, axiom, set, bind, view, source })
 }
 
 impl Job {

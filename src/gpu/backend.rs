@@ -9,13 +9,13 @@ use super::{Engine, Error};
 use crate::language::expr::Value;
 use crate::plan::Plan;
 use crate::plan::compare::{Trace, Traced, UNTRACED};
-use crate::plan::derive::{self, Backend, Modules, Options, Outcome, StageId};
+use crate::plan::derive::{self, Backend, Derived, Modules, Options, Outcome, StageId, Start};
 use crate::plan::edges;
 use crate::plan::given::Given;
 use crate::plan::layout::{END, HALO, Layout};
 use crate::plan::step::{Clock, Status};
-use crate::{curve, patch};
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// Records and nets of a chunk, on the device.
 #[derive(Debug)]
@@ -41,10 +41,10 @@ impl GpuChunk {
     }
 }
 
-/// The backend. One belongs to one plan and one set of uniforms.
-pub struct Gpu<'a> {
+/// The backend. One belongs to one plan.
+pub struct Gpu {
     pub(super) engine: Engine,
-    pub(super) plan: &'a Plan,
+    pub(super) plan: Arc<Plan>,
     pub(super) uniforms: Vec<Value>,
     pub(super) given: Given,
     /// The values given, then the measured attributes of a chunk.
@@ -70,9 +70,12 @@ pub(super) const EXTENT_STRIDE: u64 = 256;
 pub(super) const STATUS_BYTES: u64 = size_of::<Status>() as u64;
 pub(super) const READ_BYTES: u64 = STATUS_BYTES + 8;
 
-impl<'a> Gpu<'a> {
+impl Gpu {
     /// A backend on the engine's device. Kernels are compiled when a stage first runs.
-    pub fn new(engine: &Engine, plan: &'a Plan, uniforms: &[Value]) -> Result<Gpu<'a>, Error> {
+    ///
+    /// # Errors
+    /// What the device says.
+    pub fn new(engine: &Engine, plan: &Plan) -> Result<Gpu, Error> {
         engine.checked("preparing the kernels", || {
             let extents = engine.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("burgeon extents"),
@@ -82,8 +85,8 @@ impl<'a> Gpu<'a> {
             });
             Ok(Gpu {
                 shared: SharedKernels::new(engine, &plan.tables.layout)?,
-                plan,
-                uniforms: uniforms.to_vec(),
+                plan: Arc::new(plan.clone()),
+                uniforms: plan.defaults(),
                 given: Given::default(),
                 attributes: buffers::storage(engine, "burgeon attributes", 16),
                 stages: HashMap::new(),
@@ -102,7 +105,7 @@ impl<'a> Gpu<'a> {
 
     /// Compiles the kernels of every stage now.
     pub fn compile(&mut self) -> Result<(), Error> {
-        for (rule_set, set) in self.plan.tables.rule_sets.iter().enumerate() {
+        for (rule_set, set) in self.plan.clone().tables.rule_sets.iter().enumerate() {
             for stage in 0..set.stages.len() {
                 self.compile_stage(StageId { rule_set, stage })?;
             }
@@ -114,10 +117,10 @@ impl<'a> Gpu<'a> {
         if self.stages.contains_key(&id) {
             return Ok(());
         }
-        let environment = self.plan.environment(id.of(self.plan), &self.uniforms, &self.given);
+        let environment = self.plan.environment(id.of(&self.plan), &self.uniforms, &self.given);
         let engine = self.engine.clone();
         let kernels = engine
-            .checked("compiling kernels", || StageKernels::new(&engine, self.plan, id, &environment))?;
+            .checked("compiling kernels", || StageKernels::new(&engine, &self.plan, id, &environment))?;
         self.stages.insert(id, kernels);
         Ok(())
     }
@@ -144,13 +147,18 @@ impl<'a> Gpu<'a> {
     }
 }
 
-impl Backend for Gpu<'_> {
+impl Backend for Gpu {
     type Chunk = GpuChunk;
     type Error = Error;
 
-    fn bind(&mut self, given: &Given) -> Result<(), Error> {
+    fn plan(&self) -> &Arc<Plan> {
+        &self.plan
+    }
+
+    fn bind(&mut self, uniforms: &[Value], given: &Given) -> Result<(), Error> {
         let engine = self.engine.clone();
         engine.checked("giving the kernels their values", || {
+            self.uniforms = uniforms.to_vec();
             self.given = given.clone();
             let bytes = (given.words.len() as u64 * 4).max(16);
             if self.attributes.size() < bytes {
@@ -158,7 +166,7 @@ impl Backend for Gpu<'_> {
             }
             self.write_given();
             for (id, kernels) in &self.stages {
-                let words = self.plan.environment(id.of(self.plan), &self.uniforms, given);
+                let words = self.plan.environment(id.of(&self.plan), &self.uniforms, given);
                 engine.queue.write_buffer(&kernels.environment, 0, bytemuck::cast_slice(&words));
             }
             Ok(())
@@ -296,10 +304,12 @@ impl Backend for Gpu<'_> {
         let engine = self.engine.clone();
         engine.checked("rewriting a chunk", || {
             let n = chunk.len as u64;
-            self.room_for_attributes(id.of(self.plan), n);
-            self.room_for_turtle(id.of(self.plan), chunk);
+            let plan = self.plan.clone();
+            let stage = id.of(&plan);
+            self.room_for_attributes(stage, n);
+            self.room_for_turtle(stage, chunk);
             // Where the growth is closed no column is read: any buffer will do.
-            let columns = self.columns(if id.of(self.plan).closed.is_some() { 1 } else { n });
+            let columns = self.columns(if stage.closed.is_some() { 1 } else { n });
             let outcome = self.sweep(Sweep { id, clock, chunk, columns: &columns }, room)?;
             self.give_columns(columns);
             Ok(outcome)
@@ -307,7 +317,7 @@ impl Backend for Gpu<'_> {
     }
 }
 
-impl Traced for Gpu<'_> {
+impl Traced for Gpu {
     fn trace(&self) -> &Trace {
         self.trace.as_ref().unwrap_or(&UNTRACED)
     }
@@ -316,28 +326,18 @@ impl Traced for Gpu<'_> {
     }
 }
 
-/// Derives the whole schedule of a curve system on the engine's device and reads the word; how it went, too.
-pub fn derive_curve(
+/// Derives the whole schedule on the engine's device and reads what came of it: a word of what the axiom is of, nets or
+/// points, or one for each of several [`Words`](crate::curve::Words). How it went, too.
+///
+/// # Errors
+/// As [`derive`](derive::derive()); what the device says.
+pub fn derive<S: Start>(
     engine: &Engine,
     plan: &Plan,
-    axiom: &curve::Axiom,
+    start: &S,
     options: &Options,
-) -> Result<(curve::Word, derive::Derivation<GpuChunk>), Error> {
-    let uniforms = plan.uniforms(&options.set)?;
-    let mut gpu = Gpu::new(engine, plan, &uniforms)?;
-    let derivation = derive::derive(plan, axiom, &uniforms, options, &mut gpu)?;
-    Ok((derive::collect_curve(plan, &mut gpu, &derivation)?, derivation))
-}
-
-/// Derives the whole schedule on the engine's device and reads the word; how it went, too.
-pub fn derive(
-    engine: &Engine,
-    plan: &Plan,
-    axiom: &patch::Axiom,
-    options: &Options,
-) -> Result<(patch::Word, derive::Derivation<GpuChunk>), Error> {
-    let uniforms = plan.uniforms(&options.set)?;
-    let mut gpu = Gpu::new(engine, plan, &uniforms)?;
-    let derivation = derive::derive(plan, axiom, &uniforms, options, &mut gpu)?;
-    Ok((derive::collect(plan, &mut gpu, &derivation)?, derivation))
+) -> Result<Derived<S, GpuChunk>, Error> {
+    let mut gpu = Gpu::new(engine, plan)?;
+    let derivation = derive::derive(start, options, &mut gpu)?;
+    Ok((derive::collect(&mut gpu, &derivation)?, derivation))
 }

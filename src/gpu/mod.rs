@@ -15,7 +15,7 @@ mod sweep;
 pub mod tessellate;
 mod turtle;
 
-pub use backend::{Gpu, GpuChunk, derive, derive_curve};
+pub use backend::{Gpu, GpuChunk, derive};
 pub use headless::{Headless, Requirement, adapters, adapters_in};
 pub use scans::{Bandwidth, Measure, ScanBuffers, Scans};
 pub use stencil::Stencil;

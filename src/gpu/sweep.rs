@@ -61,7 +61,7 @@ struct Totals {
     retired: usize,
 }
 
-impl Gpu<'_> {
+impl Gpu {
     pub(super) fn columns(&mut self, n: u64) -> Columns {
         let sums = (n.div_ceil(self.engine.tuning.tile() as u64) + 1) * 4;
         // Sections of the column of links.
@@ -122,7 +122,7 @@ impl Gpu<'_> {
 
     /// The attributes that the rules read, into room that is there.
     fn measure(&self, pass: &mut wgpu::ComputePass, id: StageId, chunk: &GpuChunk, slot: u64) {
-        let (stage, layout, n) = (id.of(self.plan), self.layout(), chunk.len as u64);
+        let (stage, layout, n) = (id.of(&self.plan), self.layout(), chunk.len as u64);
         self.turtle(pass, id, chunk, slot);
         let kernels = &self.stages[&id];
         let Some(kernel) = &kernels.measure else { return };
@@ -140,7 +140,8 @@ impl Gpu<'_> {
     /// measure → match → count → scan, and compact; then the totals, read.
     fn totals(&mut self, sweep: Sweep) -> Result<Totals, Error> {
         let Sweep { id, clock, chunk, columns } = sweep;
-        let stage: &Stage = id.of(self.plan);
+        let plan = self.plan.clone();
+        let stage: &Stage = id.of(&plan);
         let n = chunk.len as u64;
         let given = self.given.words.len() as u32;
         let curve = self.layout().is_curve();
@@ -251,7 +252,7 @@ impl Gpu<'_> {
             let nets = |c: &'_ GpuChunk| c.len as u64 * layout.net_bytes();
             if let Some(Target { chunk: next, capacity, .. }) = next {
                 self.write_extent(1, extent(chunk.len, capacity));
-                let stage = id.of(self.plan);
+                let stage = id.of(&self.plan);
                 if stage.closed.is_some() {
                     self.measure(&mut pass, id, chunk, 1);
                 }
@@ -304,7 +305,7 @@ impl Gpu<'_> {
 
     fn totals_or_closed(&mut self, sweep: Sweep) -> Result<Totals, Error> {
         let Sweep { id, chunk, .. } = sweep;
-        match id.of(self.plan).closed {
+        match id.of(&self.plan).closed {
             Some(growth) => Ok(Totals {
                 status: Status { fired: 1, ..Status::default() },
                 modules: chunk.len * growth as usize,
@@ -330,8 +331,9 @@ impl Gpu<'_> {
         self.compile_stage(id)?;
         let engine = self.engine.clone();
         engine.checked("rewriting a chunk into buffers of the caller", || {
-            self.room_for_attributes(id.of(self.plan), chunk.len as u64);
-            self.room_for_turtle(id.of(self.plan), chunk);
+            let plan = self.plan.clone();
+            self.room_for_attributes(id.of(&plan), chunk.len as u64);
+            self.room_for_turtle(id.of(&plan), chunk);
             let columns = self.columns(chunk.len as u64);
             let sweep = Sweep { id, clock, chunk, columns: &columns };
             let totals = self.totals_or_closed(sweep)?;
@@ -357,7 +359,8 @@ impl Gpu<'_> {
     /// The passes of a sweep into chunks made for what comes, if they may take `room` bytes.
     pub(super) fn sweep(&mut self, sweep: Sweep, room: u64) -> Result<Outcome<GpuChunk>, Error> {
         let Sweep { id, chunk, columns, .. } = sweep;
-        let stage: &Stage = id.of(self.plan);
+        let plan = self.plan.clone();
+        let stage: &Stage = id.of(&plan);
         let totals = self.totals_or_closed(sweep)?;
         self.keep_trace(id, chunk.len as u64, totals.retired, columns)?;
         if totals.status.too_deep != 0 {
@@ -396,7 +399,7 @@ impl Gpu<'_> {
             return Ok(());
         }
         let mut trace = Trace::default();
-        if id.of(self.plan).closed.is_none() {
+        if id.of(&self.plan).closed.is_none() {
             let read = |c: &Pooled, words: u64| {
                 if words == 0 {
                     return Ok(Vec::new());
@@ -417,7 +420,7 @@ impl Gpu<'_> {
 
     /// What was measured of so many modules.
     pub(super) fn read_attributes(&self, id: StageId, n: u64) -> Result<Vec<u32>, Error> {
-        let row = id.of(self.plan).row.words as u64;
+        let row = id.of(&self.plan).row.words as u64;
         if row == 0 {
             return Ok(Vec::new());
         }

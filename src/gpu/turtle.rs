@@ -28,7 +28,7 @@ impl Turtle {
     }
 }
 
-impl Gpu<'_> {
+impl Gpu {
     fn linked(&self) -> bool {
         self.layout().link.is_some()
     }
@@ -76,7 +76,7 @@ impl Gpu<'_> {
         let bound = [
             self.extent(slot),
             Binding::new(chunk.records(), self.layout().chunk_bytes(n)),
-            self.attributes(id.of(self.plan), n),
+            self.attributes(id.of(&self.plan), n),
             Binding::new(&self.turtle.motions, motions),
             last,
         ];
@@ -106,8 +106,9 @@ impl Gpu<'_> {
         self.compile_stage(id)?;
         let engine = self.engine.clone();
         let rows = engine.checked("tracing", || {
-            self.room_for_attributes(id.of(self.plan), chunk.len as u64);
-            self.room_for_turtle(id.of(self.plan), &chunk);
+            let plan = self.plan.clone();
+            self.room_for_attributes(id.of(&plan), chunk.len as u64);
+            self.room_for_turtle(id.of(&plan), &chunk);
             self.write_count(&chunk);
             let mut encoder = self.encoder("burgeon turtle");
             {

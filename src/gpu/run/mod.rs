@@ -46,11 +46,11 @@ use crate::plan::given::Given;
 use crate::plan::step::{Clock, Extent};
 use crate::plan::tables::rule_word;
 use crate::plan::turns::{self, Progress, Turn, TurnWords};
-use crate::plan::{Plan, View, schedule};
+use crate::plan::{Plan, Settings, View, schedule};
 use buffers::{Buffers, DISPATCH_BYTES, Groups, Room, SLOT, next};
 use std::collections::HashMap;
 
-/// With what a run begins. All but the seed may change from frame to frame.
+/// With what a run begins. All but a seed of its own may change from frame to frame.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
     /// Params by name.
@@ -59,8 +59,8 @@ pub struct Options {
     pub bind: Vec<(String, Values)>,
     /// What `bbox_px` and `area_px` are seen through.
     pub view: Option<View>,
-    /// What random numbers begin with.
-    pub seed: u32,
+    /// What random numbers begin with; none: the param `seed` of the system, if it has one of type int, else 0.
+    pub seed: Option<u32>,
 }
 
 /// A plan and an axiom on a device, to be derived again and again.
@@ -69,7 +69,7 @@ pub struct Run {
     plan: Plan,
     axiom: patch::Axiom,
     options: Options,
-    uniforms: Vec<Value>,
+    settings: Settings,
     given: Given,
     turns: Vec<Turn>,
     room: Room,
@@ -109,14 +109,14 @@ impl Run {
         points: Option<&wgpu::Buffer>,
     ) -> Result<Run, Error> {
         let asked = Asked::of(plan, axiom, options)?;
-        let (records, nets) = plan.axiom(axiom, &asked.uniforms)?;
+        let (records, nets) = plan.axiom(axiom, &asked.settings.uniforms)?;
         engine.checked("preparing a derivation", || {
             let layout = plan.tables.layout;
             let mut stages = HashMap::new();
             for (rule_set, set) in plan.tables.rule_sets.iter().enumerate() {
                 for stage in 0..set.stages.len() {
                     let id = StageId { rule_set, stage };
-                    let words = environment(plan, id, &asked.uniforms, &asked.given);
+                    let words = environment(plan, id, &asked.settings.uniforms, &asked.given);
                     stages.insert(id, StageKernels::new(engine, plan, id, &words)?);
                 }
             }
@@ -147,7 +147,7 @@ impl Run {
                 plan: plan.clone(),
                 axiom: axiom.clone(),
                 options: options.clone(),
-                uniforms: asked.uniforms,
+                settings: asked.settings,
                 given: asked.given,
                 turns: asked.turns,
                 room,
@@ -201,9 +201,9 @@ impl Run {
     fn take(&mut self, options: Options) -> Result<(), Error> {
         let asked = Asked::of(&self.plan, &self.axiom, &options)?;
         let engine = self.engine.clone();
-        let changed = self.uniforms != asked.uniforms;
+        let changed = self.settings.uniforms != asked.settings.uniforms;
         let records = match changed && self.axiom.roots.iter().any(|root| !root.args.is_empty()) {
-            true => Some(self.plan.axiom(&self.axiom, &asked.uniforms)?.0),
+            true => Some(self.plan.axiom(&self.axiom, &asked.settings.uniforms)?.0),
             false => None,
         };
         let wanted =
@@ -219,15 +219,16 @@ impl Run {
             engine.queue.write_buffer(&self.buffers.records[0], 0, bytemuck::cast_slice(&records));
         }
         for (id, kernels) in &self.stages {
-            let words = environment(&self.plan, *id, &asked.uniforms, &asked.given);
+            let words = environment(&self.plan, *id, &asked.settings.uniforms, &asked.given);
             engine.queue.write_buffer(&kernels.environment, 0, bytemuck::cast_slice(&words));
         }
         let others = self.given.words != asked.given.words;
-        (self.options, self.uniforms, self.given) = (options, asked.uniforms, asked.given);
+        let reseeded = self.settings.seed != asked.settings.seed;
+        (self.options, self.settings, self.given) = (options, asked.settings, asked.given);
         if others {
             self.write_given();
         }
-        if others || self.turns != asked.turns {
+        if others || reseeded || self.turns != asked.turns {
             self.turns = asked.turns;
             self.write_turns();
         }
@@ -382,7 +383,7 @@ impl Run {
         let n = u64::from(progress.modules.min(self.room.modules));
         let records = reading::read(engine, doing, self.records(), n * layout.record_bytes())?;
         let nets = reading::read(engine, doing, self.nets(), n * layout.net_bytes())?;
-        Ok((progress, collect::word(&self.plan, &layout, progress.steps, &records, nets)))
+        Ok((progress, collect::word(&self.plan, progress.steps, &records, nets)?))
     }
 
     fn write_given(&self) {
@@ -401,7 +402,7 @@ impl Run {
             let extent = Extent {
                 count,
                 capacity: self.room.modules,
-                clock: Clock { step: turn.step, run_step: 0, seed: self.options.seed },
+                clock: Clock { step: turn.step, run_step: 0, seed: self.settings.seed },
                 given: self.given.words.len() as u32,
                 ..Extent::default()
             };
@@ -432,17 +433,17 @@ impl Run {
 
 /// What options come to.
 struct Asked {
-    uniforms: Vec<Value>,
+    settings: Settings,
     given: Given,
     turns: Vec<Turn>,
 }
 
 impl Asked {
     fn of(plan: &Plan, axiom: &patch::Axiom, options: &Options) -> Result<Asked, Error> {
-        let uniforms = plan.uniforms(&options.set)?;
+        let settings = plan.settings(&options.set, options.seed)?;
         let given = Given::new(&plan.system, axiom.roots.len(), &options.bind, options.view)?;
-        let turns = turns::turns(plan, &schedule::unroll(plan, &uniforms)?)?;
-        Ok(Asked { uniforms, given, turns })
+        let turns = turns::turns(plan, &schedule::unroll(plan, &settings.uniforms)?)?;
+        Ok(Asked { settings, given, turns })
     }
 }
 
