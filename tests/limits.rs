@@ -1,6 +1,9 @@
 //! Nothing is lost silently: full buffers, full addresses, full memory, lost devices, and words of
 //! every odd size.
 
+mod bindings;
+mod symbols;
+
 use crate::device;
 use crate::oracle::{self, Tolerance};
 use crate::parity::{Job, settings, system};
@@ -401,15 +404,6 @@ fn bounds_saturate_and_end_before_what_may_never_run() {
     let text = one_group("P", "P = file \"x\"", "P -> [ P P ; P P ]", "derive until terminal max 40");
     let until = job(&text, 1);
     assert_eq!(growth(&until.plan, &until).len(), 1, "nothing is sure of a derivation until terminal");
-}
-
-#[test]
-fn more_symbols_than_a_record_can_name_are_refused() {
-    let names = |count: usize| (0..count).map(|n| format!("S{n}")).collect::<Vec<_>>().join(", ");
-    let text = |count: usize| one_group(&names(count), "S0 = file \"x\"", "S0 -> [ S1 | S2 ]", "derive 1");
-    assert!(Plan::new(&system(&text(65_536))).is_ok());
-    let error = Plan::new(&system(&text(65_537))).expect_err("a record has 16 bits for the symbol");
-    assert!(error.to_string().contains("65536 symbols"), "{error}");
 }
 
 // --- schedules -----------------------------------------------------------------------------------

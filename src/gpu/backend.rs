@@ -2,7 +2,7 @@
 //! stands in `sweep.rs`.
 
 use super::buffers::{self, Pool, Pooled};
-use super::kernels::{SharedKernels, StageKernels};
+use super::kernels::{self, SharedKernels, StageKernels};
 use super::sweep::Sweep;
 use super::turtle::Turtle;
 use super::{Engine, Error};
@@ -74,36 +74,37 @@ impl Gpu {
     /// A backend on the engine's device. Kernels are compiled when a stage first runs.
     ///
     /// # Errors
-    /// What the device says.
+    /// [`Error::Uniforms`] for consts that the device cannot bind; what the device says.
     pub fn new(engine: &Engine, plan: &Plan) -> Result<Gpu, Error> {
+        kernels::fits(engine, plan)?;
         engine.checked("preparing the kernels", || {
-            let extents = engine.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("burgeon extents"),
-                size: 3 * EXTENT_STRIDE,
-                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            });
+            let uniform = wgpu::BufferUsages::UNIFORM;
+            let extents = buffers::make(engine, "burgeon extents", 3 * EXTENT_STRIDE, uniform)?;
             Ok(Gpu {
                 shared: SharedKernels::new(engine, &plan.tables.layout)?,
                 plan: Arc::new(plan.clone()),
                 uniforms: plan.defaults(),
                 given: Given::default(),
-                attributes: buffers::storage(engine, "burgeon attributes", 16),
+                attributes: buffers::storage(engine, "burgeon attributes", 16)?,
                 stages: HashMap::new(),
                 pool: Pool::default(),
                 extents,
-                status: buffers::storage(engine, "burgeon status", STATUS_BYTES),
+                status: buffers::storage(engine, "burgeon status", STATUS_BYTES)?,
                 staging: buffers::staging(engine, READ_BYTES),
                 trace: None,
                 claimed: 0,
                 made: 0,
-                turtle: Turtle::new(engine),
+                turtle: Turtle::new(engine)?,
                 engine: engine.clone(),
             })
         })
     }
 
-    /// Compiles the kernels of every stage now.
+    /// Makes the pipelines of every stage now. Drivers that compile a kernel when it is first dispatched do so in the
+    /// first step that needs it.
+    ///
+    /// # Errors
+    /// What the device says.
     pub fn compile(&mut self) -> Result<(), Error> {
         for (rule_set, set) in self.plan.clone().tables.rule_sets.iter().enumerate() {
             for stage in 0..set.stages.len() {
@@ -130,11 +131,11 @@ impl Gpu {
     }
 
     /// A chunk with room for `len` modules; what it holds is anything.
-    pub(super) fn take(&mut self, len: usize, halvings: u32) -> GpuChunk {
+    pub(super) fn take(&mut self, len: usize, halvings: u32) -> Result<GpuChunk, Error> {
         let layout = self.layout();
-        let records = self.pool.take(&self.engine, "burgeon records", layout.chunk_bytes(len as u64));
-        let nets = self.pool.take(&self.engine, "burgeon nets", len as u64 * layout.net_bytes());
-        GpuChunk { records, nets, len, halvings, before: 0, behind: len }
+        let records = self.pool.take(&self.engine, "burgeon records", layout.chunk_bytes(len as u64))?;
+        let nets = self.pool.take(&self.engine, "burgeon nets", len as u64 * layout.net_bytes())?;
+        Ok(GpuChunk { records, nets, len, halvings, before: 0, behind: len })
     }
 
     fn give(&mut self, chunk: GpuChunk) {
@@ -162,7 +163,7 @@ impl Backend for Gpu {
             self.given = given.clone();
             let bytes = (given.words.len() as u64 * 4).max(16);
             if self.attributes.size() < bytes {
-                self.attributes = buffers::storage(&self.engine, "burgeon attributes", bytes);
+                self.attributes = buffers::storage(&self.engine, "burgeon attributes", bytes)?;
             }
             self.write_given();
             for (id, kernels) in &self.stages {
@@ -177,7 +178,7 @@ impl Backend for Gpu {
         let len = records.len() / self.layout().record_words;
         let engine = self.engine.clone();
         engine.checked("uploading the axiom", || {
-            let chunk = self.take(len, 0);
+            let chunk = self.take(len, 0)?;
             let at = self.layout().halo_bytes();
             engine.queue.write_buffer(chunk.records(), at, bytemuck::cast_slice(&records));
             engine.queue.write_buffer(chunk.nets(), 0, bytemuck::cast_slice(&nets));
@@ -214,7 +215,7 @@ impl Backend for Gpu {
             let mut encoder = self.encoder("burgeon split");
             let mut pieces = Vec::new();
             for start in (0..chunk.len).step_by(most) {
-                let piece = self.take(most.min(chunk.len - start), chunk.halvings);
+                let piece = self.take(most.min(chunk.len - start), chunk.halvings)?;
                 for (from, to, bytes, halo) in [
                     (chunk.records(), piece.records(), layout.record_bytes(), layout.halo_bytes()),
                     (chunk.nets(), piece.nets(), layout.net_bytes(), 0),
@@ -243,7 +244,7 @@ impl Backend for Gpu {
             let (bytes, halo) = (layout.record_bytes(), HALO as u64);
             let lengths: Vec<usize> = chunks.iter().map(|chunk| chunk.len).collect();
             let beside = 2 * halo * bytes;
-            let gathered = self.pool.take(&engine, "burgeon edges", beside * chunks.len() as u64);
+            let gathered = self.pool.take(&engine, "burgeon edges", beside * chunks.len() as u64)?;
             let mut beyond = vec![0u32; layout.record_words];
             beyond[0] = END;
             let mut encoder = self.encoder("burgeon edges");
@@ -306,10 +307,10 @@ impl Backend for Gpu {
             let n = chunk.len as u64;
             let plan = self.plan.clone();
             let stage = id.of(&plan);
-            self.room_for_attributes(stage, n);
-            self.room_for_turtle(stage, chunk);
+            self.room_for_attributes(stage, n)?;
+            self.room_for_turtle(stage, chunk)?;
             // Where the growth is closed no column is read: any buffer will do.
-            let columns = self.columns(if stage.closed.is_some() { 1 } else { n });
+            let columns = self.columns(if stage.closed.is_some() { 1 } else { n })?;
             let outcome = self.sweep(Sweep { id, clock, chunk, columns: &columns }, room)?;
             self.give_columns(columns);
             Ok(outcome)

@@ -62,20 +62,20 @@ struct Totals {
 }
 
 impl Gpu {
-    pub(super) fn columns(&mut self, n: u64) -> Columns {
+    pub(super) fn columns(&mut self, n: u64) -> Result<Columns, Error> {
         let sums = (n.div_ceil(self.engine.tuning.tile() as u64) + 1) * 4;
         // Sections of the column of links.
         let links = if self.layout().link.is_some() { 4 * 4 * n } else { 4 };
         let mut take = |label, bytes| self.pool.take(&self.engine, label, bytes);
-        Columns {
-            rules: take("burgeon rules", n * 4),
-            counts: take("burgeon counts", n * 4),
-            offsets: take("burgeon offsets", n * 4 + 4),
-            sums: take("burgeon sums", sums),
-            retired: take("burgeon retired", n * 4),
-            retired_sums: take("burgeon retired sums", sums),
-            links: take("burgeon links", links),
-        }
+        Ok(Columns {
+            rules: take("burgeon rules", n * 4)?,
+            counts: take("burgeon counts", n * 4)?,
+            offsets: take("burgeon offsets", n * 4 + 4)?,
+            sums: take("burgeon sums", sums)?,
+            retired: take("burgeon retired", n * 4)?,
+            retired_sums: take("burgeon retired sums", sums)?,
+            links: take("burgeon links", links)?,
+        })
     }
 
     pub(super) fn give_columns(&mut self, columns: Columns) {
@@ -100,14 +100,14 @@ impl Gpu {
     }
 
     /// Makes room for the attributes that the stage reads of so many modules, behind what is given.
-    pub(super) fn room_for_attributes(&mut self, stage: &Stage, n: u64) {
+    pub(super) fn room_for_attributes(&mut self, stage: &Stage, n: u64) -> Result<(), Error> {
         let given = self.given.words.len() as u64;
         let bytes = (given + n * stage.row.words as u64) * 4;
         if self.attributes.size() < bytes {
-            let bytes = bytes.next_multiple_of(1 << 16);
-            self.attributes = buffers::storage(&self.engine, "burgeon attributes", bytes);
+            self.attributes = self.pool.take(&self.engine, "burgeon attributes", bytes)?.buffer;
             self.write_given();
         }
+        Ok(())
     }
 
     pub(super) fn write_given(&self) {
@@ -332,9 +332,9 @@ impl Gpu {
         let engine = self.engine.clone();
         engine.checked("rewriting a chunk into buffers of the caller", || {
             let plan = self.plan.clone();
-            self.room_for_attributes(id.of(&plan), chunk.len as u64);
-            self.room_for_turtle(id.of(&plan), chunk);
-            let columns = self.columns(chunk.len as u64);
+            self.room_for_attributes(id.of(&plan), chunk.len as u64)?;
+            self.room_for_turtle(id.of(&plan), chunk)?;
+            let columns = self.columns(chunk.len as u64)?;
             let sweep = Sweep { id, clock, chunk, columns: &columns };
             let totals = self.totals_or_closed(sweep)?;
             let target = |(chunk, capacity): (_, usize), modules| {
@@ -371,8 +371,8 @@ impl Gpu {
             return Ok(Outcome::NoRoom { needed: modules * self.layout().module_bytes(), modules });
         }
         let halvings = chunk.halvings + 1;
-        let next = (totals.modules > 0).then(|| self.take(totals.modules, halvings));
-        let finished = (totals.retired > 0).then(|| self.take(totals.retired, chunk.halvings));
+        let next = (totals.modules > 0).then(|| self.take(totals.modules, halvings)).transpose()?;
+        let finished = (totals.retired > 0).then(|| self.take(totals.retired, chunk.halvings)).transpose()?;
         // Where match_modules did not run, emit is the first to see an address that is full.
         let may_be_too_deep = stage.closed.is_some() && halvings > MAX_HALVINGS as u32;
         if may_be_too_deep {

@@ -13,6 +13,7 @@
 //!
 //! let engine = Engine::new(device, queue);
 //! let mut run = Run::new(&engine, plan, axiom, &Options::default(), 100_000)?; // room for so many modules
+//! run.warm_up()?; // else the driver may compile in the first frames
 //!
 //! // Each frame:
 //! run.set(&[("bend".to_string(), Value::Float(0.3))])?;
@@ -34,9 +35,9 @@
 mod buffers;
 
 use super::buffers as reading;
-use super::kernels::{Bound, Kernel, SharedKernels, StageKernels};
+use super::kernels::{self, Bound, Kernel, SharedKernels, StageKernels};
 use super::report::Report;
-use super::{Engine, Error};
+use super::{Engine, Error, warm};
 use crate::codegen;
 use crate::language::expr::Value;
 use crate::patch::{self, Values};
@@ -110,6 +111,7 @@ impl Run {
     ) -> Result<Run, Error> {
         let asked = Asked::of(plan, axiom, options)?;
         let (records, nets) = plan.axiom(axiom, &asked.settings.uniforms)?;
+        kernels::fits(engine, plan)?;
         engine.checked("preparing a derivation", || {
             let layout = plan.tables.layout;
             let mut stages = HashMap::new();
@@ -126,14 +128,14 @@ impl Run {
             let bound = [Slot, Read, Written, Written, Written, Written];
             let proceed = Kernel::with_bindings(engine, &shader, &bound, &["start", "proceed"]);
             let made = |label, bytes: &[u8]| {
-                let buffer = reading::storage(engine, label, (bytes.len() as u64).max(16));
+                let buffer = reading::storage(engine, label, bytes.len() as u64)?;
                 engine.queue.write_buffer(&buffer, 0, bytes);
-                buffer
+                Ok::<_, Error>(buffer)
             };
-            let records = made("burgeon axiom", bytemuck::cast_slice(&records));
+            let records = made("burgeon axiom", bytemuck::cast_slice(&records))?;
             let nets = match points {
                 Some(points) => points.clone(),
-                None => made("burgeon control points", bytemuck::cast_slice(&nets)),
+                None => made("burgeon control points", bytemuck::cast_slice(&nets))?,
             };
             let room = Room {
                 modules: modules.max(axiom.roots.len() as u32),
@@ -257,6 +259,35 @@ impl Run {
             self.write_turns();
             Ok(())
         })
+    }
+
+    /// Has the driver compile every kernel of the rules, those of steps that only other params ask for among them, and
+    /// waits for it, with a derivation that is thrown away; else it may in the first frames that need one
+    /// ([how long](super::tessellate::Tessellator::warm_up)).
+    ///
+    /// # Errors
+    /// What the device says.
+    pub fn warm_up(&mut self) -> Result<(), Error> {
+        let engine = self.engine.clone();
+        warm::warm(&engine, |encoder| {
+            self.encode(encoder);
+            self.idle(&mut encoder.begin_compute_pass(&Default::default()));
+        })
+    }
+
+    /// Dispatches all kernels over no workgroups.
+    pub(super) fn idle(&self, pass: &mut wgpu::ComputePass) {
+        for (id, kernels) in &self.stages {
+            let Some([groups, ..]) = self.groups.stages.get(id) else { continue };
+            if let (Some(kernel), Some(group)) = (&kernels.measure, &groups.measure) {
+                warm::idle(pass, kernel, group);
+            }
+            warm::idle(pass, &kernels.match_modules, &groups.matching);
+            warm::idle(pass, &kernels.count, &groups.count);
+            warm::idle(pass, &kernels.emit, &groups.emit);
+        }
+        warm::idle(pass, &self.shared.scan, &self.groups.scan);
+        warm::idle(pass, &self.proceed, &self.groups.proceed);
     }
 
     /// Records the whole schedule: no submission, no wait, no buffer made.
