@@ -23,10 +23,11 @@ impl Tessellator {
         let displacement = Displacement::new(plan, self.topology.roots(), options)?;
         let engine = self.engine.clone();
         engine.checked("preparing a placement", || {
+            // First, since some drivers refuse a kernel of more than they bind.
+            let [topology, environment] = buffers(&engine, self.topology.words(), displacement.as_ref())?;
             let placement = displacement.as_ref().map(|d| &d.placement);
             let shader = codegen::vertices(&self.what, placement, engine.tuning(), engine.edit.as_ref())?;
             let kernel = Kernels::vertices(&engine, &shader);
-            let [topology, environment] = buffers(&engine, self.topology.words(), displacement.as_ref())?;
             (self.buffers.topology, self.buffers.environment) = (topology, environment);
             self.kernels.vertices = kernel;
             self.groups = [0, 1].map(|now| self.kernels.groups(&engine, &self.buffers, now));
