@@ -32,7 +32,7 @@ fn step(c: &mut Criterion) {
     let mut group = c.benchmark_group("patch/step");
     for (name, text) in [("plain", PLAIN), ("conditional", CONDITIONAL)] {
         let (plan, axiom) = plan(text);
-        let mut cpu = Cpu::new(&plan, &[], 0).expect("threads");
+        let mut cpu = Cpu::new(&plan, 0).expect("threads");
         let (records, nets) = plan.axiom(&axiom, &[]).expect("records");
         let chunk = cpu.upload(records, nets).expect("a chunk");
         group.throughput(Throughput::Bytes(5 * NETS as u64 * plan.tables.layout.module_bytes()));
@@ -54,7 +54,7 @@ fn words(c: &mut Criterion) {
     let mut group = c.benchmark_group("word/context");
     group.throughput(Throughput::Elements(LENGTH as u64)).sample_size(10);
     for threads in [1, 2] {
-        let mut cpu = Cpu::new(&plan, &[], threads).expect("threads");
+        let mut cpu = Cpu::new(&plan, threads).expect("threads");
         let record = |n: usize| [n as u32 % 3, 0, 0, 0];
         let chunk = cpu.upload((0..LENGTH).flat_map(record).collect(), Vec::new()).expect("a chunk");
         let chunk = cpu.join(vec![chunk], false).expect("a word").remove(0);

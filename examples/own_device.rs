@@ -29,6 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let engine = Engine::new(&device, &queue);
     let (level, room) = (Level::pixels(0.5, camera), Capacity::for_vertices(50_000));
     let mut teapot = Tessellator::new(&engine, &nets, &level, &Options::default(), &room)?;
+    teapot.warm_up()?; // else the driver may compile in the first frame
 
     // The renderer's own pipeline: position is at location 0, the normal at 1.
     let surface = host::Surface::new(&device, SHADER, &teapot.vertex_layout().buffers());

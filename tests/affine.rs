@@ -260,7 +260,7 @@ proptest! {
         let plan = Plan::new(&system).expect("a plan");
         let mut axiom = Axiom::load::<String>(&system, &mut |_| Err("no file".into())).expect("an axiom");
         let control = moved(&mut axiom, 1);
-        let (word, _) = cpu::derive_curve(&plan, &axiom, &Options::default(), 1).expect("a word");
+        let (word, _) = cpu::derive(&plan, &axiom, &Options::default(), 1).expect("a word");
         let n = matrix.rows.len();
         prop_assert_eq!(word.modules.len(), n);
         for (r, point) in word.points().iter().enumerate() {

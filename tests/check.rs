@@ -126,7 +126,7 @@ fn every_code_has_a_file() {
         }
     }
     // Trees that the parser never makes, or that are too long for a file.
-    let elsewhere = ["E0201", "E0229", "E0268"];
+    let elsewhere = ["E0201", "E0229", "E0268", "E0272"];
     assert!(wanted.iter().eq(elsewhere.iter()), "{wanted:?}");
 }
 

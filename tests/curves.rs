@@ -9,7 +9,7 @@ use crate::{device, mutants};
 use burgeon::cpu::{self, Cpu};
 use burgeon::curve::{Axiom, Word};
 use burgeon::language::{System, Value};
-use burgeon::plan::derive::{Backend, collect_curve, derive};
+use burgeon::plan::derive::{Backend, collect, derive};
 use burgeon::plan::{Options, Plan};
 
 struct Job {
@@ -33,14 +33,12 @@ impl Job {
         steps: Option<u32>,
         chunk: Option<usize>,
     ) -> Result<Word, B::Error> {
-        let uniforms = self.plan.uniforms(&self.options.set).expect("params");
         let options = Options { steps, chunk_modules: chunk, ..self.options.clone() };
-        let derivation = derive(&self.plan, &self.axiom, &uniforms, &options, &mut backend)?;
-        collect_curve(&self.plan, &mut backend, &derivation)
+        let derivation = derive(&self.axiom, &options, &mut backend)?;
+        collect(&mut backend, &derivation)
     }
     fn cpu(&self, steps: Option<u32>, chunk: Option<usize>) -> Word {
-        let uniforms = self.plan.uniforms(&self.options.set).expect("params");
-        self.on(Cpu::new(&self.plan, &uniforms, 2).expect("threads"), steps, chunk).expect("a word")
+        self.on(Cpu::new(&self.plan, 2).expect("threads"), steps, chunk).expect("a word")
     }
 }
 
@@ -48,7 +46,7 @@ const CHAIKIN: &str = include_str!("data/language/chaikin.burgeon");
 
 fn square() -> Vec<[f32; 3]> {
     let job = job(CHAIKIN, &[], &[]);
-    let (word, derivation) = cpu::derive_curve(&job.plan, &job.axiom, &job.options, 1).expect("a word");
+    let (word, derivation) = cpu::derive(&job.plan, &job.axiom, &job.options, 1).expect("a word");
     assert_eq!(derivation.steps.len(), 3);
     word.points()
 }
@@ -122,9 +120,8 @@ fn chunks_of_any_size_are_invisible() {
 fn cpu_and_gpu_derive_the_same_curve() {
     for (name, engine) in device::engines() {
         let job = job(CHAIKIN, &[], &[]);
-        let uniforms = job.plan.uniforms(&[]).expect("params");
         for chunk in [None, Some(1), Some(7)] {
-            let gpu = burgeon::gpu::Gpu::new(&engine, &job.plan, &uniforms).expect("kernels");
+            let gpu = burgeon::gpu::Gpu::new(&engine, &job.plan).expect("kernels");
             assert_eq!(
                 job.on(gpu, None, chunk).expect("a word"),
                 job.cpu(None, None),
@@ -250,10 +247,9 @@ fn difference(engine: &burgeon::gpu::Engine) -> Option<String> {
     let small = engine.retuned(Tuning { scan_workgroup: 4, scan_items: 32, ..*engine.tuning() });
     for text in [UNCHAIKIN, MIXED, CHAIKIN, TREE, TWO, TRIANGLE] {
         let job = job(text, &many(), &[]);
-        let uniforms = job.plan.uniforms(&[]).expect("params");
         let expected = job.cpu(None, None);
         for (engine, chunk) in [(engine, None), (&small, None), (&small, Some(500))] {
-            let gpu = Gpu::new(engine, &job.plan, &uniforms).expect("kernels");
+            let gpu = Gpu::new(engine, &job.plan).expect("kernels");
             let found = match job.on(gpu, None, chunk) {
                 Ok(found) => found,
                 Err(e) => return Some(e.to_string()),
@@ -340,7 +336,7 @@ pub fn mutants_of(file: &str) -> usize {
 fn a_tree_that_outgrows_its_buffer_is_refused() {
     let text = "system s : curve tree\nmodule A(k: int)\naxiom: A(0)\nrules:\n  A(k) -> A(k) [ A(k) ] A(k)\nrun:\n  derive 15\n";
     let job = job(text, &[], &[]);
-    let refused = cpu::derive_curve(&job.plan, &job.axiom, &job.options, 2).map(|_| ());
+    let refused = cpu::derive(&job.plan, &job.axiom, &job.options, 2).map(|_| ());
     let said = refused.expect_err("14 million modules").to_string();
     assert!(said.starts_with("the word would hold 14348907 modules after step 15"), "{said}");
     assert!(said.contains("one buffer, which holds 8388608"), "{said}");

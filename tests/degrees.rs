@@ -80,9 +80,9 @@ fn every_degree_is_the_dense_product_within_rounding() {
 
 fn assert_pair(name: &str, engine: &Engine, degree: [usize; 2], chunk: Option<usize>) {
     let job = job(degree);
-    let mut pair = Pair::new(&job.plan, job.cpu(1), job.gpu(engine), ["CPU", "GPU"]);
-    let result = derive(&job.plan, &job.axiom, &job.uniforms, &job.options(None, chunk), &mut pair);
-    if let Err(e) = result.and_then(|d| collect(&job.plan, &mut pair, &d)) {
+    let mut pair = Pair::new(job.cpu(1), job.gpu(engine), ["CPU", "GPU"]);
+    let result = derive(&job.axiom, &job.options(None, chunk), &mut pair);
+    if let Err(e) = result.and_then(|d| collect(&mut pair, &d)) {
         panic!("{name}, degree {degree:?}, chunks of {chunk:?}: {e}");
     }
 }

@@ -98,14 +98,13 @@ fn text(seed: u64) -> String {
     )
 }
 
-fn word<B: Backend>(plan: &Plan, axiom: &Axiom, seed: u32, backend: &mut B) -> Word
+fn word<B: Backend>(axiom: &Axiom, seed: u32, backend: &mut B) -> Word
 where
     B::Error: Debug,
 {
-    let options = Options { seed, ..Options::default() };
-    let uniforms = plan.uniforms(&[]).expect("params");
-    let derivation = derive(plan, axiom, &uniforms, &options, backend).expect("a derivation");
-    collect(plan, backend, &derivation).expect("a word")
+    let options = Options { seed: Some(seed), ..Options::default() };
+    let derivation = derive(axiom, &options, backend).expect("a derivation");
+    collect(backend, &derivation).expect("a word")
 }
 
 fn job(text: &str) -> (Plan, Axiom) {
@@ -122,12 +121,12 @@ fn random_expressions_are_alike_on_cpu_and_gpu() {
         for seed in 0..16 {
             let text = text(seed);
             let (plan, axiom) = job(&text);
-            let gpu = Gpu::new(&engine, &plan, &[]).expect("kernels");
-            let cpu = Cpu::new(&plan, &[], 2).expect("threads");
-            let mut pair = Pair::new(&plan, cpu, gpu, ["CPU", "GPU"]);
-            let options = Options { seed: 1, ..Options::default() };
-            let result = derive(&plan, &axiom, &[], &options, &mut pair);
-            if let Err(e) = result.and_then(|d| collect(&plan, &mut pair, &d)) {
+            let gpu = Gpu::new(&engine, &plan).expect("kernels");
+            let cpu = Cpu::new(&plan, 2).expect("threads");
+            let mut pair = Pair::new(cpu, gpu, ["CPU", "GPU"]);
+            let options = Options { seed: Some(1), ..Options::default() };
+            let result = derive(&axiom, &options, &mut pair);
+            if let Err(e) = result.and_then(|d| collect(&mut pair, &d)) {
                 panic!("{name}: {e}\n{text}");
             }
         }
@@ -277,7 +276,7 @@ fn random_expressions_are_near_the_oracle() {
         }
         seeds += 1;
         let (plan, axiom) = job(&text);
-        let word = word(&plan, &axiom, 1, &mut Cpu::new(&plan, &[], 2).expect("threads"));
+        let word = word(&axiom, 1, &mut Cpu::new(&plan, 2).expect("threads"));
         let stage = &plan.tables.rule_sets[0].stages[0];
         let environment = plan.environment(stage, &[], &Given::default());
         let (records, _) = plan.axiom(&axiom, &[]).expect("the axiom");
@@ -346,12 +345,12 @@ fn random_expressions_are_near_the_oracle() {
 fn lots_fall_alike_on_cpu_and_gpu_and_differ_by_seed() {
     let lots = WRITTEN.iter().find(|s| s.name == "lots").expect("a system of the suite");
     let (plan, axiom) = job(lots.text);
-    let on_cpu = |seed| word(&plan, &axiom, seed, &mut Cpu::new(&plan, &[], 2).expect("threads"));
+    let on_cpu = |seed| word(&axiom, seed, &mut Cpu::new(&plan, 2).expect("threads"));
     let first = (1..9).map(on_cpu).find(|w| w.modules.len() > 50).expect("a seed that grows");
     assert!((1..9).any(|seed| on_cpu(seed) != first), "the seed changes nothing");
     for (name, engine) in device::engines() {
         for seed in 1..5 {
-            let gpu = word(&plan, &axiom, seed, &mut Gpu::new(&engine, &plan, &[]).expect("kernels"));
+            let gpu = word(&axiom, seed, &mut Gpu::new(&engine, &plan).expect("kernels"));
             assert!(gpu == on_cpu(seed), "{name}, seed {seed}");
         }
     }
@@ -365,7 +364,7 @@ fn an_edit_in_one_branch_rolls_that_branch_alone() {
     let edited = text.replace("b: B(x) -> [ B(rand()) | B(rand()) ]", "b: B(x) -> [ B(rand()) | eps ]");
     let of_a = |text: &str| {
         let (plan, axiom) = job(text);
-        let word = word(&plan, &axiom, 7, &mut Cpu::new(&plan, &[], 1).expect("threads"));
+        let word = word(&axiom, 7, &mut Cpu::new(&plan, 1).expect("threads"));
         let a = word.modules.into_iter().filter(|m| m.symbol == 1);
         a.map(|m| (m.key, m.params)).collect::<Vec<_>>()
     };
@@ -379,7 +378,7 @@ fn weights_are_drawn_in_proportion() {
         rules grow:\n  P -> [ P P ; P P ]\nrules draw:\n  P ->(1) A\n    ->(2) B\n    ->(if(step > 0, 1, -1)) C\n    ->(5) eps\n\
         run:\n  derive 7 with grow\n  derive 1 with draw\n";
     let (plan, axiom) = job(text);
-    let word = word(&plan, &axiom, 3, &mut Cpu::new(&plan, &[], 2).expect("threads"));
+    let word = word(&axiom, 3, &mut Cpu::new(&plan, 2).expect("threads"));
     let share = |symbol| word.modules.iter().filter(|m| m.symbol == symbol).count() as f64 / 16384.0;
     assert!((share(1) - 0.125).abs() < 0.01, "{}", share(1));
     assert!((share(2) - 0.25).abs() < 0.015, "{}", share(2));

@@ -1,6 +1,9 @@
 //! Nothing is lost silently: full buffers, full addresses, full memory, lost devices, and words of
 //! every odd size.
 
+mod bindings;
+mod symbols;
+
 use crate::device;
 use crate::oracle::{self, Tolerance};
 use crate::parity::{Job, settings, system};
@@ -47,12 +50,12 @@ fn conditional(steps: u32) -> String {
     one_group("P(n: int)", "P(0) = file \"x\"", rule, &format!("derive {steps}"))
 }
 
-type Run<B> = Result<(Word, Derivation<<B as Backend>::Chunk>), <B as Backend>::Error>;
+type Run<B> = Result<(Word, Derivation<<B as Backend>::Chunk, Word>), <B as Backend>::Error>;
 
 /// Derives and reads.
 fn run<B: Backend>(job: &Job, backend: &mut B, options: &Options) -> Run<B> {
-    let derivation = derive(&job.plan, &job.axiom, &job.uniforms, options, backend)?;
-    Ok((collect(&job.plan, backend, &derivation)?, derivation))
+    let derivation = derive(&job.axiom, options, backend)?;
+    Ok((collect(backend, &derivation)?, derivation))
 }
 
 /// Why it fails; whatever the backend, it is the plan that says so.
@@ -145,13 +148,13 @@ fn run_and_lose(job: &Job, engine: &Engine, moment: Moment) -> Result<Word, gpu:
         }
     };
     lose(Moment::BeforeTheBackend);
-    let mut gpu = Gpu::new(engine, &job.plan, &job.uniforms)?;
+    let mut gpu = Gpu::new(engine, &job.plan)?;
     lose(Moment::BeforeTheRun);
     let progress = |_: plan::Progress| lose(Moment::BetweenSteps);
     let options = Options { progress: Some(&progress), ..Options::default() };
-    let derivation = derive(&job.plan, &job.axiom, &job.uniforms, &options, &mut gpu)?;
+    let derivation = derive(&job.axiom, &options, &mut gpu)?;
     lose(Moment::BeforeReading);
-    collect(&job.plan, &mut gpu, &derivation)
+    collect(&mut gpu, &derivation)
 }
 
 #[test]
@@ -401,15 +404,6 @@ fn bounds_saturate_and_end_before_what_may_never_run() {
     let text = one_group("P", "P = file \"x\"", "P -> [ P P ; P P ]", "derive until terminal max 40");
     let until = job(&text, 1);
     assert_eq!(growth(&until.plan, &until).len(), 1, "nothing is sure of a derivation until terminal");
-}
-
-#[test]
-fn more_symbols_than_a_record_can_name_are_refused() {
-    let names = |count: usize| (0..count).map(|n| format!("S{n}")).collect::<Vec<_>>().join(", ");
-    let text = |count: usize| one_group(&names(count), "S0 = file \"x\"", "S0 -> [ S1 | S2 ]", "derive 1");
-    assert!(Plan::new(&system(&text(65_536))).is_ok());
-    let error = Plan::new(&system(&text(65_537))).expect_err("a record has 16 bits for the symbol");
-    assert!(error.to_string().contains("65536 symbols"), "{error}");
 }
 
 // --- schedules -----------------------------------------------------------------------------------

@@ -261,15 +261,14 @@ const SCANS: &[Mutant] = &[
 /// Nets of this degree, both backends in lockstep; what went wrong.
 fn lockstep(engine: &Engine, degree: [usize; 2]) -> Result<(), String> {
     let job = degrees::job(degree);
-    let mut pair = Pair::new(&job.plan, job.cpu(1), job.gpu(engine), ["CPU", "GPU"]);
+    let mut pair = Pair::new(job.cpu(1), job.gpu(engine), ["CPU", "GPU"]);
     let options = job.options(None, None);
-    derive(&job.plan, &job.axiom, &job.uniforms, &options, &mut pair)
-        .and_then(|d| collect(&job.plan, &mut pair, &d))
-        .map(drop)
-        .map_err(|e| match e {
+    derive(&job.axiom, &options, &mut pair).and_then(|d| collect(&mut pair, &d)).map(drop).map_err(
+        |e| match e {
             PairError::Right(gpu::Error::Codegen(e)) => panic!("this is no mutant: {e}"),
             e => e.to_string(),
-        })
+        },
+    )
 }
 
 /// A system of the suite, both backends in lockstep; what went wrong.

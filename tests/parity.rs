@@ -64,17 +64,16 @@ impl Job {
         B::Error: Debug,
     {
         let options = self.options(steps, chunk);
-        let derivation =
-            derive(&self.plan, &self.axiom, &self.uniforms, &options, backend).expect("a derivation");
-        collect(&self.plan, backend, &derivation).expect("a word")
+        let derivation = derive(&self.axiom, &options, backend).expect("a derivation");
+        collect(backend, &derivation).expect("a word")
     }
 
-    pub fn cpu(&self, threads: usize) -> Cpu<'_> {
-        Cpu::new(&self.plan, &self.uniforms, threads).expect("threads")
+    pub fn cpu(&self, threads: usize) -> Cpu {
+        Cpu::new(&self.plan, threads).expect("threads")
     }
 
-    pub fn gpu(&self, engine: &Engine) -> Gpu<'_> {
-        Gpu::new(engine, &self.plan, &self.uniforms).expect("kernels")
+    pub fn gpu(&self, engine: &Engine) -> Gpu {
+        Gpu::new(engine, &self.plan).expect("kernels")
     }
 }
 
@@ -141,10 +140,10 @@ fn gpu_and_cpu_agree_after_every_pass_of_random_systems() {
             let job = Job::new(&case.text, &case.nets, settings(&case));
             let chunk = [None, Some(64), Some(7), Some(1)][seed as usize % 4];
             let chunk = chunk.filter(|c| *c > 1 || case.derive().iter().all(|w| w.modules.len() < 60));
-            let mut pair = Pair::new(&job.plan, job.cpu(2), job.gpu(&engine), ["CPU", "GPU"]);
+            let mut pair = Pair::new(job.cpu(2), job.gpu(&engine), ["CPU", "GPU"]);
             let options = job.options(case.steps.map(|s| s as u32), chunk);
-            let result = derive(&job.plan, &job.axiom, &job.uniforms, &options, &mut pair);
-            if let Err(e) = result.and_then(|d| collect(&job.plan, &mut pair, &d)) {
+            let result = derive(&job.axiom, &options, &mut pair);
+            if let Err(e) = result.and_then(|d| collect(&mut pair, &d)) {
                 panic!("{name}, chunks of {chunk:?}: {e}\n{case}");
             }
         }

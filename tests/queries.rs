@@ -39,9 +39,9 @@ run:
 
 fn on_pair(name: &str, engine: &Engine, text: &str, roots: &[oracle::Net], options: &Options) -> (Word, u64) {
     let job = Job::new(text, roots, options.set.clone());
-    let mut pair = Pair::new(&job.plan, job.cpu(2), job.gpu(engine), ["CPU", "GPU"]);
-    let result = derive(&job.plan, &job.axiom, &job.uniforms, options, &mut pair);
-    let word = result.and_then(|d| collect(&job.plan, &mut pair, &d));
+    let mut pair = Pair::new(job.cpu(2), job.gpu(engine), ["CPU", "GPU"]);
+    let result = derive(&job.axiom, options, &mut pair);
+    let word = result.and_then(|d| collect(&mut pair, &d));
     (word.unwrap_or_else(|e| panic!("{name}: {e}\n{text}")), pair.replayed)
 }
 
@@ -125,8 +125,8 @@ fn sizes_on_the_screen_are_those_of_a_pinhole_camera() {
         assert_eq!(of(4), [f32::MAX, f32::MAX], "{name}");
     };
     let mut cpu = job.cpu(2);
-    let derivation = derive(&job.plan, &job.axiom, &job.uniforms, &options, &mut cpu).expect("a derivation");
-    check("CPU", &collect(&job.plan, &mut cpu, &derivation).expect("a word"));
+    let derivation = derive(&job.axiom, &options, &mut cpu).expect("a derivation");
+    check("CPU", &collect(&mut cpu, &derivation).expect("a word"));
     for (name, engine) in device::engines() {
         check(&name, &on_pair(&name, &engine, SCREEN, &roots, &options).0);
     }
@@ -141,7 +141,7 @@ fn tilted() -> oracle::Net {
 #[test]
 fn the_screen_wants_a_view() {
     let job = Job::new(SCREEN, &[square(0.0)], Vec::new());
-    let result = derive(&job.plan, &job.axiom, &job.uniforms, &job.options(None, None), &mut job.cpu(1));
+    let result = derive(&job.axiom, &job.options(None, None), &mut job.cpu(1));
     match result.err() {
         Some(Error::View { attribute: "bbox_px" }) => {}
         other => panic!("{other:?}"),
@@ -192,8 +192,8 @@ fn every_descendant_inherits_what_is_bound_to_its_root() {
         }
     };
     let mut cpu = job.cpu(2);
-    let derivation = derive(&job.plan, &job.axiom, &job.uniforms, &options, &mut cpu).expect("a derivation");
-    check("CPU", &collect(&job.plan, &mut cpu, &derivation).expect("a word"));
+    let derivation = derive(&job.axiom, &options, &mut cpu).expect("a derivation");
+    check("CPU", &collect(&mut cpu, &derivation).expect("a word"));
     for (name, engine) in device::engines() {
         check(&name, &on_pair(&name, &engine, BOUND, &roots, &options).0);
     }
@@ -256,8 +256,8 @@ fn a_grid_is_linear_between_its_points_and_constant_beyond() {
         }
     };
     let mut cpu = job.cpu(2);
-    let derivation = derive(&job.plan, &job.axiom, &job.uniforms, &options, &mut cpu).expect("a derivation");
-    check("CPU", &collect(&job.plan, &mut cpu, &derivation).expect("a word"));
+    let derivation = derive(&job.axiom, &options, &mut cpu).expect("a derivation");
+    check("CPU", &collect(&mut cpu, &derivation).expect("a word"));
     for (name, engine) in device::engines() {
         check(&name, &on_pair(&name, &engine, FIELD, &roots, &options).0);
     }
@@ -269,7 +269,7 @@ fn values_that_do_not_fit_are_refused_with_what_would() {
         let job = Job::new(text, &vec![lattice([3, 3], 0); roots], Vec::new());
         let bind = bind.into_iter().map(|(name, values)| (name.to_string(), values)).collect();
         let options = Options { bind, ..job.options(None, None) };
-        match derive(&job.plan, &job.axiom, &job.uniforms, &options, &mut job.cpu(1)).err() {
+        match derive(&job.axiom, &options, &mut job.cpu(1)).err() {
             Some(Error::Bind(text)) => text,
             other => panic!("{other:?}"),
         }
@@ -351,9 +351,9 @@ fn conditions_nearer_to_their_threshold_than_rounding_are_replayed() {
     let run = |replace: &'static str| {
         let edit = Edit { file: "measure", find: "return sqrt(greatest);", replace };
         let engine = Engine::new(&headless.device, &headless.queue).with_edit(edit);
-        let mut pair = Pair::new(&job.plan, job.cpu(1), job.gpu(&engine), ["CPU", "GPU"]);
-        let result = derive(&job.plan, &job.axiom, &job.uniforms, &job.options(None, None), &mut pair);
-        let result = result.and_then(|d| collect(&job.plan, &mut pair, &d));
+        let mut pair = Pair::new(job.cpu(1), job.gpu(&engine), ["CPU", "GPU"]);
+        let result = derive(&job.axiom, &job.options(None, None), &mut pair);
+        let result = result.and_then(|d| collect(&mut pair, &d));
         (result.map(|word| word.modules.len()).map_err(|e| e.to_string()), pair.replayed)
     };
     let (plain, _) = run("return sqrt(greatest);");

@@ -115,8 +115,9 @@ fn params(most: i32, chance: f32, rounds: i32) -> Vec<(String, Value)> {
 fn a_recorded_derivation_is_the_one_that_waits() {
     for (name, engine) in device::engines() {
         let (plan, axiom) = of(MANY);
-        let mut run = Run::new(&engine, &plan, &axiom, &Options { seed: 7, ..Options::default() }, 5000)
-            .expect("a run");
+        let mut run =
+            Run::new(&engine, &plan, &axiom, &Options { seed: Some(7), ..Options::default() }, 5000)
+                .expect("a run");
         // The same run, with other params each time, a longer schedule and none at all among them.
         for (most, chance, rounds) in
             [(3, 0.5, 2), (5, 0.25, 3), (2, 1.0, 1), (5, 0.0, 0), (0, 0.5, 2), (6, 0.75, 3)]

@@ -1,8 +1,10 @@
 //! A backend of which words outgrow the chunks.
 
-use burgeon::plan::Given;
+use burgeon::language::Value;
 use burgeon::plan::derive::{Backend, Outcome, StageId};
 use burgeon::plan::step::Clock;
+use burgeon::plan::{Given, Plan};
+use std::sync::Arc;
 
 /// A backend whose chunks hold few modules, and that sees that none ever holds more.
 pub struct Small<B> {
@@ -14,11 +16,16 @@ impl<B: Backend> Backend for Small<B> {
     type Chunk = B::Chunk;
     type Error = B::Error;
 
-    fn bind(&mut self, given: &Given) -> Result<(), B::Error> {
-        self.inner.bind(given)
+    fn plan(&self) -> &Arc<Plan> {
+        self.inner.plan()
+    }
+    fn bind(&mut self, uniforms: &[Value], given: &Given) -> Result<(), B::Error> {
+        self.inner.bind(uniforms, given)
     }
     fn upload(&mut self, records: Vec<u32>, nets: Vec<[f32; 4]>) -> Result<B::Chunk, B::Error> {
-        self.inner.upload(records, nets)
+        let chunk = self.inner.upload(records, nets)?;
+        assert!(self.len(&chunk) <= self.most);
+        Ok(chunk)
     }
     fn read(&mut self, chunk: &B::Chunk) -> Result<(Vec<u32>, Vec<[f32; 4]>), B::Error> {
         self.inner.read(chunk)

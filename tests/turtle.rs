@@ -9,7 +9,7 @@ use burgeon::cpu::Cpu;
 use burgeon::curve::{Axiom, Word};
 use burgeon::language::System;
 use burgeon::language::expr::Value;
-use burgeon::plan::derive::{Backend, Options, collect_curve, derive};
+use burgeon::plan::derive::{Backend, Options, collect, derive};
 use burgeon::plan::{Plan, Unsupported};
 use std::fmt::Debug;
 
@@ -50,17 +50,13 @@ impl Run {
         let has = |name: &str| system.uniforms.iter().any(|u| u.name == name);
         let set: Vec<(String, Value)> =
             job.set.iter().filter(|(name, _)| has(name)).map(|(name, p)| (name.clone(), value(p))).collect();
-        let seed = job.seed.unwrap_or_else(|| plan.seed(&set));
+        let seed = job.seed;
         let options = Options { set, seed, ..Options::default() };
         Ok(Run { plan, axiom, options, most: job.steps })
     }
 
-    fn uniforms(&self) -> Vec<Value> {
-        self.plan.uniforms(&self.options.set).expect("params")
-    }
-
-    fn cpu(&self) -> Cpu<'_> {
-        Cpu::new(&self.plan, &self.uniforms(), 2).expect("threads")
+    fn cpu(&self) -> Cpu {
+        Cpu::new(&self.plan, 2).expect("threads")
     }
 
     /// The word after so many steps, in chunks of at most so many modules.
@@ -70,9 +66,8 @@ impl Run {
     {
         let steps = Some(self.most.map_or(steps, |most| most.min(steps)) as u32);
         let options = Options { steps, chunk_modules: chunk, ..self.options.clone() };
-        let derivation =
-            derive(&self.plan, &self.axiom, &self.uniforms(), &options, &mut backend).expect("a word");
-        collect_curve(&self.plan, &mut backend, &derivation).expect("a word")
+        let derivation = derive(&self.axiom, &options, &mut backend).expect("a word");
+        collect(&mut backend, &derivation).expect("a word")
     }
 
     fn last<B: Backend>(&self, backend: B, chunk: Option<usize>) -> Word
@@ -208,9 +203,8 @@ fn devices_trace_as_the_oracle() {
     for (name, engine) in device::engines() {
         for text in small() {
             let run = run(&text);
-            let uniforms = run.uniforms();
             for chunk in [None, Some(3)] {
-                let gpu = || Gpu::new(&engine, &run.plan, &uniforms).expect("kernels");
+                let gpu = || Gpu::new(&engine, &run.plan).expect("kernels");
                 assert_as_the_oracle(&Job::new(&text), &run.words(&gpu, chunk), &name);
             }
         }
@@ -242,8 +236,7 @@ fn s20_s22_the_papers_numbers_hold_on_devices() {
     for (_, engine) in device::engines() {
         papers_hold(&|job| {
             let run = Run::new(job).expect("a plan");
-            let uniforms = run.uniforms();
-            run.words(&|| Gpu::new(&engine, &run.plan, &uniforms).expect("kernels"), None)
+            run.words(&|| Gpu::new(&engine, &run.plan).expect("kernels"), None)
         });
     }
 }
@@ -261,7 +254,7 @@ fn right_angles_are_exact() {
         }
         #[cfg(feature = "gpu")]
         for (name, engine) in device::engines() {
-            let gpu = Gpu::new(&engine, &run.plan, &run.uniforms()).expect("kernels");
+            let gpu = Gpu::new(&engine, &run.plan).expect("kernels");
             assert_eq!(run.last(gpu, Some(1000)), whole, "{}, {name}", whole.system);
         }
     }
@@ -282,16 +275,15 @@ fn difference(engine: &Engine) -> Option<String> {
         [HILBERT3, long.as_str(), widths.as_str()].into_iter().chain(angles.iter().map(String::as_str));
     for text in first {
         let run = run(text);
-        let uniforms = run.uniforms();
         let chunks: &[Option<usize>] = if text.len() > 300 { &[None, Some(500)] } else { &[None] };
         for &chunk in chunks {
-            let gpu = match Gpu::new(&small_tiles, &run.plan, &uniforms) {
+            let gpu = match Gpu::new(&small_tiles, &run.plan) {
                 Ok(gpu) => gpu,
                 Err(e) => return Some(e.to_string()),
             };
-            let mut pair = Pair::new(&run.plan, run.cpu(), gpu, ["CPU", "GPU"]);
+            let mut pair = Pair::new(run.cpu(), gpu, ["CPU", "GPU"]);
             let options = Options { chunk_modules: chunk, ..run.options.clone() };
-            if let Err(e) = derive(&run.plan, &run.axiom, &uniforms, &options, &mut pair) {
+            if let Err(e) = derive(&run.axiom, &options, &mut pair) {
                 return Some(format!("{}: {e}", run.plan.system.name));
             }
         }

@@ -6,10 +6,10 @@ use super::source::Source;
 use burgeon::curve::{self, Curves};
 use burgeon::io::{NetOptions, curves, read_nets};
 use burgeon::language::system::{Axiom, CurveSource, CurveStart, Kind, PatchSource, PatchStart, System};
-use burgeon::language::{Diagnostic, Span, Value};
+use burgeon::language::{Diagnostic, Span};
 use burgeon::patch;
-use burgeon::plan::derive::{Modules, Start};
-use burgeon::plan::{self, Plan};
+use burgeon::plan;
+use burgeon::plan::derive::Start;
 use std::path::{Path, PathBuf};
 
 /// What a derivation begins with.
@@ -18,27 +18,34 @@ pub enum Beginning {
     Points(curve::Axiom),
 }
 
-impl Start for Beginning {
-    fn modules(&self, plan: &Plan, uniforms: &[Value]) -> Result<Modules, plan::Error> {
-        match self {
-            Beginning::Nets(axiom) => axiom.modules(plan, uniforms),
-            Beginning::Points(axiom) => axiom.modules(plan, uniforms),
-        }
-    }
-    fn roots(&self) -> usize {
+impl Beginning {
+    /// Roots, each of which may be bound a value of its own.
+    pub fn roots(&self) -> usize {
         match self {
             Beginning::Nets(axiom) => axiom.roots(),
             Beginning::Points(axiom) => axiom.roots(),
         }
     }
-}
 
-impl Beginning {
-    /// The points of a curve; none of patches.
-    pub fn curve(&self) -> Option<&curve::Axiom> {
+    /// The points of a curve.
+    ///
+    /// # Errors
+    /// For patches: the file was another one when its kind was looked at.
+    pub fn curve(&self) -> Result<&curve::Axiom, plan::Error> {
         match self {
-            Beginning::Points(axiom) => Some(axiom),
-            Beginning::Nets(_) => None,
+            Beginning::Points(axiom) => Ok(axiom),
+            Beginning::Nets(_) => Err(changed()),
+        }
+    }
+
+    /// The roots of patches.
+    ///
+    /// # Errors
+    /// The same for a curve.
+    pub fn patches(&self) -> Result<&patch::Axiom, plan::Error> {
+        match self {
+            Beginning::Nets(axiom) => Ok(axiom),
+            Beginning::Points(_) => Err(changed()),
         }
     }
 
@@ -49,6 +56,10 @@ impl Beginning {
             Beginning::Points(_) => Vec::new(),
         }
     }
+}
+
+fn changed() -> plan::Error {
+    plan::Error::Axiom("the rule file changed while it was read".to_string())
 }
 
 /// Why there are no roots.

@@ -5,11 +5,11 @@ use super::{Failure, flags};
 /// CPU against GPU after every pass.
 #[cfg(feature = "gpu")]
 pub fn compare(flags: &flags::Compare) -> Result<(), Failure> {
+    use super::axiom::Beginning;
     use super::run::{self, of_gpu};
-    use super::{agreeing, counted, devices, progress, stop};
+    use super::{counted, devices, progress, stop};
     use burgeon::gpu::{Engine, Gpu, Headless, Requirement};
     use burgeon::plan::compare::{Pair, PairError};
-    use burgeon::plan::derive::Start;
     use burgeon::plan::{Plan, Progress, derive};
 
     let loaded = super::source::Loaded::read(&flags.derive.system)?;
@@ -24,20 +24,23 @@ pub fn compare(flags: &flags::Compare) -> Result<(), Failure> {
     let progress = |p: Progress| bar.step(p);
     let options = run::options(&flags.derive, &job, &progress);
     let cpu = run::cpu(&job, flags.derive.machine.threads as usize)?;
-    let gpu = Gpu::new(&engine, &job.plan, &job.uniforms).map_err(of_gpu)?;
-    let mut pair = Pair::new(&job.plan, cpu, gpu, ["CPU", "GPU"]);
-    let derivation = derive::derive(&job.plan, &job.axiom, &job.uniforms, &options, &mut pair);
+    let gpu = Gpu::new(&engine, &job.plan).map_err(of_gpu)?;
+    let mut pair = Pair::new(cpu, gpu, ["CPU", "GPU"]);
+    let steps = match &job.axiom {
+        Beginning::Nets(axiom) => derive::derive(axiom, &options, &mut pair).map(|d| d.steps),
+        Beginning::Points(axiom) => derive::derive(axiom, &options, &mut pair).map(|d| d.steps),
+    };
     bar.clear();
-    let derivation = derivation.map_err(|e| match e {
+    let steps = steps.map_err(|e| match e {
         PairError::Plan(e) | PairError::Left(e) => job.failure(e),
         PairError::Right(e) => of_gpu(e),
         PairError::Difference(d) => Failure::Differ(format!("error: CPU and GPU differ: {d}")),
     })?;
-    let modules = derivation.steps.last().map_or(job.axiom.roots() as u64, |s| s.modules);
+    let modules = steps.last().map_or(job.axiom.roots() as u64, |s| s.modules);
     super::print(&format!(
         "{}: {}, {}: equal on the CPU and on {} after every pass ({} compared{})\n",
         job.plan.system.name,
-        counted(derivation.steps.len() as u64, "step"),
+        counted(steps.len() as u64, "step"),
         counted(modules, "module"),
         devices::label(&device.info),
         counted(pair.elements, "word"),

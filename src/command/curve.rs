@@ -141,16 +141,16 @@ fn all<B: Backend>(
     backend: &mut B,
 ) -> Result<(Vec<Word>, Vec<StepStats>, u64), B::Error> {
     let Some(several) = several else {
-        let derivation = derive::derive(&job.plan, &job.axiom, &job.uniforms, options, backend)?;
-        let word = derive::collect_curve(&job.plan, backend, &derivation)?;
+        let derivation = derive::derive(job.axiom.curve()?, options, backend)?;
+        let word = derive::collect(backend, &derivation)?;
         return Ok((vec![word], derivation.steps, derivation.peak_bytes));
     };
     let mut words: Vec<Option<Word>> = vec![None; several.words.words.len()];
     let (mut steps, mut peak_bytes) = (Vec::new(), 0);
     for run in &several.runs {
         let starts = Words { words: run.iter().map(|&n| several.words.words[n].clone()).collect() };
-        let derivation = derive::derive(&job.plan, &starts, &[], options, backend)?;
-        let derived = derive::collect_words(&job.plan, backend, &derivation, run.len())?;
+        let derivation = derive::derive(&starts, options, backend)?;
+        let derived = derive::collect(backend, &derivation)?;
         derivation.chunks.into_iter().for_each(|chunk| backend.recycle(chunk));
         for (&n, word) in run.iter().zip(derived) {
             words[n] = Some(word);
@@ -234,7 +234,7 @@ fn on_gpu(
     };
     bar.doing("compiling kernels");
     let start = Instant::now();
-    let mut gpu = Gpu::new(&engine, &job.plan, &job.uniforms).map_err(failure)?;
+    let mut gpu = Gpu::new(&engine, &job.plan).map_err(failure)?;
     gpu.compile().map_err(failure)?;
     let compile_ms = milliseconds(start);
     bar.doing("deriving");

@@ -9,7 +9,6 @@ use burgeon::language::expr::Type;
 use burgeon::language::system::{Axiom, CurveStart, System};
 use burgeon::language::{Diagnostic, Span, Value};
 use burgeon::patch;
-use burgeon::plan::derive::Start;
 use burgeon::plan::{self, Given, Plan, View, schedule};
 use burgeon::tessellate::Camera;
 use indicatif::HumanBytes;
@@ -36,7 +35,6 @@ pub struct Job {
     pub plan: Plan,
     pub axiom: Beginning,
     pub set: Vec<(String, Value)>,
-    pub uniforms: Vec<Value>,
     pub bind: Vec<(String, patch::Values)>,
     pub view: Option<View>,
     source: Source,
@@ -62,7 +60,7 @@ pub fn job(loaded: Loaded, plan: Plan, flags: &flags::Derive) -> Result<Job, Fai
     let bind = bind(&plan.system, &flags.bind)?;
     let view = sight(&flags.view, flags::Up::Y, axiom.nets().iter())?.map(|s| s.view());
     Given::new(&plan.system, axiom.roots(), &bind, view).map_err(|e| failure(&source, &plan, e))?;
-    Ok(Job { plan, axiom, set, uniforms, bind, view, source })
+    Ok(Job { plan, axiom, set, bind, view, source })
 }
 
 impl Job {

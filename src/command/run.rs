@@ -87,7 +87,7 @@ pub fn options<'a>(flags: &flags::Derive, job: &Job, progress: &'a dyn Fn(Progre
         set: job.set.clone(),
         bind: job.bind.clone(),
         view: job.view,
-        seed: flags.seed.unwrap_or_else(|| job.plan.seed(&job.set)),
+        seed: flags.seed,
         steps: flags.steps,
         max_bytes: flags.machine.max_memory.unwrap_or_else(load::half_of_memory),
         chunk_modules: None,
@@ -172,13 +172,13 @@ fn on_gpu(job: &Job, options: &Options, device: Device, bar: &Bar) -> Result<Der
     };
     bar.doing("compiling kernels");
     let start = Instant::now();
-    let mut gpu = Gpu::new(&engine, &job.plan, &job.uniforms).map_err(failure)?;
+    let mut gpu = Gpu::new(&engine, &job.plan).map_err(failure)?;
     gpu.compile().map_err(failure)?;
     let compile_ms = milliseconds(start);
     bar.doing("deriving");
-    let derivation =
-        derive::derive(&job.plan, &job.axiom, &job.uniforms, options, &mut gpu).map_err(failure)?;
-    let word = derive::collect(&job.plan, &mut gpu, &derivation).map_err(failure)?;
+    let derivation = derive::derive(job.axiom.patches().map_err(|e| job.failure(e))?, options, &mut gpu)
+        .map_err(failure)?;
+    let word = derive::collect(&mut gpu, &derivation).map_err(failure)?;
     drop(gpu);
     Ok(Derived {
         word,
@@ -194,9 +194,9 @@ fn on_gpu(job: &Job, options: &Options, device: Device, bar: &Bar) -> Result<Der
 fn on_cpu(job: &Job, options: &Options, threads: usize) -> Result<Derived, Failure> {
     let mut cpu = cpu(job, threads)?;
     let failure = |e| job.failure(e);
-    let derivation =
-        derive::derive(&job.plan, &job.axiom, &job.uniforms, options, &mut cpu).map_err(failure)?;
-    let word = derive::collect(&job.plan, &mut cpu, &derivation).map_err(failure)?;
+    let derivation = derive::derive(job.axiom.patches().map_err(|e| job.failure(e))?, options, &mut cpu)
+        .map_err(failure)?;
+    let word = derive::collect(&mut cpu, &derivation).map_err(failure)?;
     Ok(Derived {
         word,
         backend: "cpu",
@@ -209,8 +209,8 @@ fn on_cpu(job: &Job, options: &Options, threads: usize) -> Result<Derived, Failu
 }
 
 /// The CPU backend of a job. Threads are all that it can lack.
-pub fn cpu(job: &Job, threads: usize) -> Result<Cpu<'_>, Failure> {
-    Cpu::new(&job.plan, &job.uniforms, threads).map_err(|e| Failure::Device(format!("error: {e}")))
+pub fn cpu(job: &Job, threads: usize) -> Result<Cpu, Failure> {
+    Cpu::new(&job.plan, threads).map_err(|e| Failure::Device(format!("error: {e}")))
 }
 
 /// An error of the plan by whose fault it is.

@@ -6,7 +6,7 @@ use super::{Failure, counted, flags, print, say};
 use burgeon::codegen::{self, Tessellation, Tuning};
 use burgeon::language::system::{Axiom, System};
 use burgeon::language::{Diagnostic, Severity};
-use burgeon::plan::derive::{StageId, Start};
+use burgeon::plan::derive::StageId;
 use burgeon::plan::tables::RulesOf;
 use burgeon::plan::{Placement, Plan};
 

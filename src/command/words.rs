@@ -144,7 +144,7 @@ pub fn several(flags: &flags::Run, job: &Job) -> Result<Several, Failure> {
     }
     let axioms = match flags.words.each {
         true => job.each_curve(flags.derive.input.as_deref())?,
-        false => job.axiom.curve().into_iter().cloned().collect(),
+        false => vec![job.axiom.curve().map_err(|e| job.failure(e))?.clone()],
     };
     let axioms: Vec<Arc<curve::Axiom>> = axioms.into_iter().map(Arc::new).collect();
     let seeds = flags.words.seeds.unwrap_or(1);
@@ -161,8 +161,8 @@ pub fn several(flags: &flags::Run, job: &Job) -> Result<Several, Failure> {
     let mut words = Vec::with_capacity(count);
     for axiom in &axioms {
         for set in &sets {
-            let first = flags.derive.seed.unwrap_or_else(|| job.plan.seed(set));
-            let start = |seed| curve::Start { axiom: axiom.clone(), set: set.clone(), seed };
+            let first = job.plan.settings(set, flags.derive.seed).map_err(|e| job.failure(e))?.seed;
+            let start = |seed| curve::Start { axiom: axiom.clone(), set: set.clone(), seed: Some(seed) };
             words.extend((0..seeds).map(|n| start(first.wrapping_add(n))));
         }
     }

@@ -32,7 +32,7 @@ struct Filling<'a> {
 
 impl Filling<'_> {
     fn new(job: &Job) -> Result<Filling<'_>, Trouble> {
-        let mut cpu = Cpu::new(&job.plan, &job.uniforms, 1)?;
+        let mut cpu = Cpu::new(&job.plan, 1)?;
         cpu.set_traced();
         let (records, nets) = job.plan.axiom(&job.axiom, &job.uniforms)?;
         let chunk = cpu.upload(records, nets)?;
@@ -120,7 +120,7 @@ impl Filling<'_> {
 pub fn compare(engine: &Engine, job: &Job) -> Result<Compared, Trouble> {
     let filling = Filling::new(job)?;
     let [new, finished] = filling.needed();
-    let mut gpu = Gpu::new(engine, &job.plan, &job.uniforms)?;
+    let mut gpu = Gpu::new(engine, &job.plan)?;
     let mut all = Compared::default();
     let mut step = |capacity| filling.compare(&mut gpu, capacity).map(|c| all.add(c));
     step([new, finished])?;

@@ -89,7 +89,7 @@ impl Expressions {
         clock: Clock,
         modules: &[Vec<Value>],
     ) -> Result<Vec<Vec<Value>>, crate::plan::Error> {
-        self.evaluate(&mut Cpu::new(&self.plan, &[], 1)?, clock, modules)
+        self.evaluate(&mut Cpu::new(&self.plan, 1)?, clock, modules)
     }
 
     /// The values on the CPU and on the device.
@@ -97,7 +97,7 @@ impl Expressions {
         let cpu = self.on_cpu(clock, modules)?;
         // Nets are not what this is about: the mapping that drivers compile faster.
         let engine = engine.retuned(Tuning::GPU);
-        let gpu = self.evaluate(&mut Gpu::new(&engine, &self.plan, &[])?, clock, modules)?;
+        let gpu = self.evaluate(&mut Gpu::new(&engine, &self.plan)?, clock, modules)?;
         if gpu.len() != cpu.len() {
             let what = format!("emit: {} modules on the CPU and {} on the GPU", cpu.len(), gpu.len());
             return Err(Trouble::Differs(what));

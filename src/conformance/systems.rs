@@ -171,8 +171,8 @@ impl Job {
 
     /// As many steps as leave every one within [`MOST_CHUNKS`] chunks of so many modules.
     fn steps_in_chunks(&self, options: &Options, chunk: usize) -> Result<u32, plan::Error> {
-        let mut cpu = Cpu::new(&self.plan, &self.uniforms, 1)?;
-        let whole = derive(&self.plan, &self.axiom, &self.uniforms, options, &mut cpu)?;
+        let mut cpu = Cpu::new(&self.plan, 1)?;
+        let whole = derive(&self.axiom, options, &mut cpu)?;
         let few = |modules: u64| modules <= MOST_CHUNKS * chunk as u64;
         if !few(self.axiom.roots.len() as u64) {
             return Ok(0);
@@ -201,12 +201,12 @@ impl Subject {
         stop: Stop,
     ) -> Result<Compared, Trouble> {
         let job = self.job();
-        let cpu = Cpu::new(&job.plan, &job.uniforms, 1)?;
-        let gpu = Gpu::new(engine, &job.plan, &job.uniforms)?;
-        let mut pair = Pair::new(&job.plan, cpu, gpu, ["CPU", "GPU"]);
+        let cpu = Cpu::new(&job.plan, 1)?;
+        let gpu = Gpu::new(engine, &job.plan)?;
+        let mut pair = Pair::new(cpu, gpu, ["CPU", "GPU"]);
         for &chunk in chunks {
             check(stop)?;
-            let mut options = Options { seed: 5, steps: self.steps, stop, ..Options::default() };
+            let mut options = Options { seed: Some(5), steps: self.steps, stop, ..Options::default() };
             if let Some(given) = self.given {
                 let (bind, view) = given();
                 options.bind = bind;
@@ -217,8 +217,8 @@ impl Subject {
                     Some(job.steps_in_chunks(&options, chunk)?.min(self.steps.unwrap_or(u32::MAX)));
                 options.chunk_modules = Some(chunk);
             }
-            let derived = derive(&job.plan, &job.axiom, &job.uniforms, &options, &mut pair);
-            let result = derived.and_then(|d| collect(&job.plan, &mut pair, &d)).map_err(Trouble::from);
+            let derived = derive(&job.axiom, &options, &mut pair);
+            let result = derived.and_then(|d| collect(&mut pair, &d)).map_err(Trouble::from);
             match (result, self.too_deep) {
                 (Ok(_), None) => {}
                 (Ok(_), Some(step)) => {

@@ -159,7 +159,7 @@ fn frames(
     if let Some(rules) = set.rules {
         let system = System::parse(rules).map_err(|e| Trouble::Differs(e.to_string()))?;
         let plan = Plan::new(&system).map_err(|e| Trouble::Differs(e.to_string()))?;
-        let values = plan::Options { seed: 5, ..plan::Options::default() };
+        let values = plan::Options { seed: Some(5), ..plan::Options::default() };
         cpu.displace(&plan, &values).map_err(crate::gpu::Error::from)?;
         gpu.displace(&plan, &values)?;
     }

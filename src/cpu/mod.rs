@@ -26,7 +26,7 @@ pub mod turtle_linked;
 
 use crate::language::expr::Value;
 use crate::plan::compare::{Replay, Trace, Traced, UNTRACED};
-use crate::plan::derive::{self, Backend, Modules, Options, Outcome, StageId};
+use crate::plan::derive::{self, Backend, Derived, Modules, Options, Outcome, StageId, Start};
 use crate::plan::edges;
 use crate::plan::given::Given;
 use crate::plan::layout::{END, Layout};
@@ -34,8 +34,8 @@ use crate::plan::links::Links;
 use crate::plan::step::{Clock, Status};
 use crate::plan::tables::Stage;
 use crate::plan::{Error, Plan};
-use crate::{curve, patch};
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// Modules that one task of a pass works on.
 pub const BLOCK: usize = 1024;
@@ -50,9 +50,9 @@ pub struct Chunk {
     behind: usize,
 }
 
-/// The backend. One belongs to one plan and one set of uniforms.
-pub struct Cpu<'a> {
-    plan: &'a Plan,
+/// The backend. One belongs to one plan.
+pub struct Cpu {
+    plan: Arc<Plan>,
     uniforms: Vec<Value>,
     given: Given,
     environments: HashMap<StageId, Vec<u32>>,
@@ -102,19 +102,19 @@ struct Columns {
     hangs: Vec<u32>,
 }
 
-impl<'a> Cpu<'a> {
+impl Cpu {
     /// A backend with `threads` threads; 0 = one for each core.
     ///
     /// # Errors
     /// When the operating system gives no threads.
-    pub fn new(plan: &'a Plan, uniforms: &[Value], threads: usize) -> Result<Cpu<'a>, Error> {
+    pub fn new(plan: &Plan, threads: usize) -> Result<Cpu, Error> {
         let threads = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()
             .map_err(|e| Error::Value(format!("the CPU backend could not start its threads: {e}")))?;
         Ok(Cpu {
-            plan,
-            uniforms: uniforms.to_vec(),
+            plan: Arc::new(plan.clone()),
+            uniforms: plan.defaults(),
             given: Given::default(),
             environments: HashMap::new(),
             threads,
@@ -136,11 +136,12 @@ impl<'a> Cpu<'a> {
         attributes: &mut Vec<u32>,
     ) -> Outcome<Chunk> {
         let Sweep { id, clock, chunk, room, replayed } = sweep;
-        let stage: &Stage = id.of(self.plan);
-        let layout = self.plan.tables.layout;
+        let plan = self.plan.clone();
+        let stage: &Stage = id.of(&plan);
+        let layout = plan.tables.layout;
         let n = chunk.len;
         let nets = &chunk.nets[..n * layout.net_points()];
-        let tables = &self.plan.tables;
+        let tables = &plan.tables;
         if layout.link.is_some() {
             link::link(&layout, chunk.own(&layout), &tables.ignored, stage.sees_branches(), &mut self.links);
         }
@@ -164,7 +165,7 @@ impl<'a> Cpu<'a> {
             attributes.extend(&trace.attributes);
         } else if stage.row.turtle {
             attributes.resize(n * stage.row.words, 0);
-            let (turtle, state) = (&self.plan.tables.turtle, self.entered.turtle);
+            let (turtle, state) = (&tables.turtle, self.entered.turtle);
             if layout.link.is_some() {
                 turtle_linked::turtle_linked(turtle, &layout, input.records, attributes);
             } else {
@@ -173,8 +174,8 @@ impl<'a> Cpu<'a> {
             }
         } else if stage.row.words > 0 {
             attributes.resize(n * stage.row.words, 0);
-            let view = self.plan.tables.given.view();
-            let rational = self.plan.rational();
+            let view = tables.given.view();
+            let rational = plan.rational();
             self.threads.install(|| measure::measure(&stage.row, &input, nets, rational, view, attributes));
         }
         input.measured = attributes;
@@ -318,11 +319,16 @@ impl Columns {
     }
 }
 
-impl Backend for Cpu<'_> {
+impl Backend for Cpu {
     type Chunk = Chunk;
     type Error = Error;
 
-    fn bind(&mut self, given: &Given) -> Result<(), Error> {
+    fn plan(&self) -> &Arc<Plan> {
+        &self.plan
+    }
+
+    fn bind(&mut self, uniforms: &[Value], given: &Given) -> Result<(), Error> {
+        self.uniforms = uniforms.to_vec();
         self.given = given.clone();
         self.environments.clear();
         Ok(())
@@ -408,12 +414,12 @@ impl Backend for Cpu<'_> {
     }
 }
 
-impl Cpu<'_> {
+impl Cpu {
     fn step_as(&mut self, sweep: Sweep) -> Outcome<Chunk> {
         let id = sweep.id;
         let environment = match self.environments.remove(&id) {
             Some(environment) => environment,
-            None => self.plan.environment(id.of(self.plan), &self.uniforms, &self.given),
+            None => self.plan.environment(id.of(&self.plan), &self.uniforms, &self.given),
         };
         let mut columns = std::mem::take(&mut self.columns);
         let mut attributes = std::mem::take(&mut self.attributes);
@@ -436,7 +442,7 @@ impl Cpu<'_> {
     }
 }
 
-impl Traced for Cpu<'_> {
+impl Traced for Cpu {
     fn trace(&self) -> &Trace {
         self.trace.as_ref().unwrap_or(&UNTRACED)
     }
@@ -445,7 +451,7 @@ impl Traced for Cpu<'_> {
     }
 }
 
-impl Replay for Cpu<'_> {
+impl Replay for Cpu {
     fn window(&self, chunk: &Chunk) -> Vec<u32> {
         chunk.records.clone()
     }
@@ -466,32 +472,23 @@ impl Replay for Cpu<'_> {
         Ok(self.step_as(Sweep { id: stage, clock, chunk, room, replayed: Some(trace) }))
     }
     fn environment(&self, stage: StageId) -> Vec<u32> {
-        self.plan.environment(stage.of(self.plan), &self.uniforms, &self.given)
+        self.plan.environment(stage.of(&self.plan), &self.uniforms, &self.given)
     }
 }
 
-/// Derives the whole schedule of a curve system on the CPU and reads the word; how it went, too.
-pub fn derive_curve(
+/// Derives the whole schedule on the CPU, with `threads` threads (0 = one for each core), and reads what came of it: a
+/// word of what the axiom is of, nets or points, or one for each of several [`Words`](crate::curve::Words). How it went,
+/// too.
+///
+/// # Errors
+/// As [`derive`](derive::derive()).
+pub fn derive<S: Start>(
     plan: &Plan,
-    axiom: &curve::Axiom,
+    start: &S,
     options: &Options,
     threads: usize,
-) -> Result<(curve::Word, derive::Derivation<Chunk>), Error> {
-    let uniforms = plan.uniforms(&options.set)?;
-    let mut cpu = Cpu::new(plan, &uniforms, threads)?;
-    let derivation = derive::derive(plan, axiom, &uniforms, options, &mut cpu)?;
-    Ok((derive::collect_curve(plan, &mut cpu, &derivation)?, derivation))
-}
-
-/// Derives the whole schedule on the CPU and reads the word; how it went, too.
-pub fn derive(
-    plan: &Plan,
-    axiom: &patch::Axiom,
-    options: &Options,
-    threads: usize,
-) -> Result<(patch::Word, derive::Derivation<Chunk>), Error> {
-    let uniforms = plan.uniforms(&options.set)?;
-    let mut cpu = Cpu::new(plan, &uniforms, threads)?;
-    let derivation = derive::derive(plan, axiom, &uniforms, options, &mut cpu)?;
-    Ok((derive::collect(plan, &mut cpu, &derivation)?, derivation))
+) -> Result<Derived<S, Chunk>, Error> {
+    let mut cpu = Cpu::new(plan, threads)?;
+    let derivation = derive::derive(start, options, &mut cpu)?;
+    Ok((derive::collect(&mut cpu, &derivation)?, derivation))
 }

@@ -11,10 +11,9 @@ use std::sync::Arc;
 /// until no rule fires in any word.
 ///
 /// ```
-/// use burgeon::cpu::Cpu;
+/// use burgeon::cpu;
 /// use burgeon::curve::{Axiom, Words};
 /// use burgeon::language::{System, Value};
-/// use burgeon::plan::derive::{collect_words, derive};
 /// use burgeon::plan::{Options, Plan};
 ///
 /// let system = System::parse(
@@ -28,12 +27,10 @@ use std::sync::Arc;
 ///        derive 3",
 /// )?;
 /// let axiom = Axiom::load::<String>(&system, &mut |file| Err(format!("{file} is not there")))?;
-/// let starts = Words::sweep(&axiom, "w", [0.0, 0.25, 0.5].map(Value::Float), 0);
+/// let starts = Words::sweep(&axiom, "w", [0.0, 0.25, 0.5].map(Value::Float));
 ///
 /// let plan = Plan::of_words(&system)?;
-/// let mut backend = Cpu::new(&plan, &[], 0)?; // or gpu::Gpu
-/// let derivation = derive(&plan, &starts, &[], &Options::default(), &mut backend)?;
-/// let words = collect_words(&plan, &mut backend, &derivation, starts.words.len())?;
+/// let (words, _) = cpu::derive(&plan, &starts, &Options::default(), 0)?; // or gpu::derive
 /// assert!(words.iter().all(|word| word.modules.len() == 24));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -47,23 +44,24 @@ pub struct Words {
 pub struct Start {
     /// Shared by the words that begin alike.
     pub axiom: Arc<Axiom>,
-    /// Params by name, in place of their defaults.
+    /// Params by name, in place of those of the run's [`Options`](crate::plan::Options).
     pub set: Vec<(String, Value)>,
-    pub seed: u32,
+    /// What its random numbers begin with, in place of the seed of the options; see there for none.
+    pub seed: Option<u32>,
 }
 
 impl Words {
-    /// The same axiom once for each value of a param.
-    pub fn sweep(axiom: &Axiom, param: &str, values: impl IntoIterator<Item = Value>, seed: u32) -> Words {
+    /// The same axiom once for each value of a param, all with the seed of the options.
+    pub fn sweep(axiom: &Axiom, param: &str, values: impl IntoIterator<Item = Value>) -> Words {
         let axiom = Arc::new(axiom.clone());
-        let start = |value| Start { axiom: axiom.clone(), set: vec![(param.to_string(), value)], seed };
+        let start = |value| Start { axiom: axiom.clone(), set: vec![(param.to_string(), value)], seed: None };
         Words { words: values.into_iter().map(start).collect() }
     }
 
     /// The same axiom once for each seed.
     pub fn seeds(axiom: &Axiom, seeds: impl IntoIterator<Item = u32>) -> Words {
         let axiom = Arc::new(axiom.clone());
-        let start = |seed| Start { axiom: axiom.clone(), set: Vec::new(), seed };
+        let start = |seed| Start { axiom: axiom.clone(), set: Vec::new(), seed: Some(seed) };
         Words { words: seeds.into_iter().map(start).collect() }
     }
 }

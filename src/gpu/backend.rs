@@ -2,20 +2,20 @@
 //! stands in `sweep.rs`.
 
 use super::buffers::{self, Pool, Pooled};
-use super::kernels::{SharedKernels, StageKernels};
+use super::kernels::{self, SharedKernels, StageKernels};
 use super::sweep::Sweep;
 use super::turtle::Turtle;
 use super::{Engine, Error};
 use crate::language::expr::Value;
 use crate::plan::Plan;
 use crate::plan::compare::{Trace, Traced, UNTRACED};
-use crate::plan::derive::{self, Backend, Modules, Options, Outcome, StageId};
+use crate::plan::derive::{self, Backend, Derived, Modules, Options, Outcome, StageId, Start};
 use crate::plan::edges;
 use crate::plan::given::Given;
 use crate::plan::layout::{END, HALO, Layout};
 use crate::plan::step::{Clock, Status};
-use crate::{curve, patch};
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// Records and nets of a chunk, on the device.
 #[derive(Debug)]
@@ -41,10 +41,10 @@ impl GpuChunk {
     }
 }
 
-/// The backend. One belongs to one plan and one set of uniforms.
-pub struct Gpu<'a> {
+/// The backend. One belongs to one plan.
+pub struct Gpu {
     pub(super) engine: Engine,
-    pub(super) plan: &'a Plan,
+    pub(super) plan: Arc<Plan>,
     pub(super) uniforms: Vec<Value>,
     pub(super) given: Given,
     /// The values given, then the measured attributes of a chunk.
@@ -70,39 +70,43 @@ pub(super) const EXTENT_STRIDE: u64 = 256;
 pub(super) const STATUS_BYTES: u64 = size_of::<Status>() as u64;
 pub(super) const READ_BYTES: u64 = STATUS_BYTES + 8;
 
-impl<'a> Gpu<'a> {
+impl Gpu {
     /// A backend on the engine's device. Kernels are compiled when a stage first runs.
-    pub fn new(engine: &Engine, plan: &'a Plan, uniforms: &[Value]) -> Result<Gpu<'a>, Error> {
+    ///
+    /// # Errors
+    /// [`Error::Uniforms`] for consts that the device cannot bind; what the device says.
+    pub fn new(engine: &Engine, plan: &Plan) -> Result<Gpu, Error> {
+        kernels::fits(engine, plan)?;
         engine.checked("preparing the kernels", || {
-            let extents = engine.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("burgeon extents"),
-                size: 3 * EXTENT_STRIDE,
-                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            });
+            let uniform = wgpu::BufferUsages::UNIFORM;
+            let extents = buffers::make(engine, "burgeon extents", 3 * EXTENT_STRIDE, uniform)?;
             Ok(Gpu {
                 shared: SharedKernels::new(engine, &plan.tables.layout)?,
-                plan,
-                uniforms: uniforms.to_vec(),
+                plan: Arc::new(plan.clone()),
+                uniforms: plan.defaults(),
                 given: Given::default(),
-                attributes: buffers::storage(engine, "burgeon attributes", 16),
+                attributes: buffers::storage(engine, "burgeon attributes", 16)?,
                 stages: HashMap::new(),
                 pool: Pool::default(),
                 extents,
-                status: buffers::storage(engine, "burgeon status", STATUS_BYTES),
+                status: buffers::storage(engine, "burgeon status", STATUS_BYTES)?,
                 staging: buffers::staging(engine, READ_BYTES),
                 trace: None,
                 claimed: 0,
                 made: 0,
-                turtle: Turtle::new(engine),
+                turtle: Turtle::new(engine)?,
                 engine: engine.clone(),
             })
         })
     }
 
-    /// Compiles the kernels of every stage now.
+    /// Makes the pipelines of every stage now. Drivers that compile a kernel when it is first dispatched do so in the
+    /// first step that needs it.
+    ///
+    /// # Errors
+    /// What the device says.
     pub fn compile(&mut self) -> Result<(), Error> {
-        for (rule_set, set) in self.plan.tables.rule_sets.iter().enumerate() {
+        for (rule_set, set) in self.plan.clone().tables.rule_sets.iter().enumerate() {
             for stage in 0..set.stages.len() {
                 self.compile_stage(StageId { rule_set, stage })?;
             }
@@ -114,10 +118,10 @@ impl<'a> Gpu<'a> {
         if self.stages.contains_key(&id) {
             return Ok(());
         }
-        let environment = self.plan.environment(id.of(self.plan), &self.uniforms, &self.given);
+        let environment = self.plan.environment(id.of(&self.plan), &self.uniforms, &self.given);
         let engine = self.engine.clone();
         let kernels = engine
-            .checked("compiling kernels", || StageKernels::new(&engine, self.plan, id, &environment))?;
+            .checked("compiling kernels", || StageKernels::new(&engine, &self.plan, id, &environment))?;
         self.stages.insert(id, kernels);
         Ok(())
     }
@@ -127,11 +131,11 @@ impl<'a> Gpu<'a> {
     }
 
     /// A chunk with room for `len` modules; what it holds is anything.
-    pub(super) fn take(&mut self, len: usize, halvings: u32) -> GpuChunk {
+    pub(super) fn take(&mut self, len: usize, halvings: u32) -> Result<GpuChunk, Error> {
         let layout = self.layout();
-        let records = self.pool.take(&self.engine, "burgeon records", layout.chunk_bytes(len as u64));
-        let nets = self.pool.take(&self.engine, "burgeon nets", len as u64 * layout.net_bytes());
-        GpuChunk { records, nets, len, halvings, before: 0, behind: len }
+        let records = self.pool.take(&self.engine, "burgeon records", layout.chunk_bytes(len as u64))?;
+        let nets = self.pool.take(&self.engine, "burgeon nets", len as u64 * layout.net_bytes())?;
+        Ok(GpuChunk { records, nets, len, halvings, before: 0, behind: len })
     }
 
     fn give(&mut self, chunk: GpuChunk) {
@@ -144,21 +148,26 @@ impl<'a> Gpu<'a> {
     }
 }
 
-impl Backend for Gpu<'_> {
+impl Backend for Gpu {
     type Chunk = GpuChunk;
     type Error = Error;
 
-    fn bind(&mut self, given: &Given) -> Result<(), Error> {
+    fn plan(&self) -> &Arc<Plan> {
+        &self.plan
+    }
+
+    fn bind(&mut self, uniforms: &[Value], given: &Given) -> Result<(), Error> {
         let engine = self.engine.clone();
         engine.checked("giving the kernels their values", || {
+            self.uniforms = uniforms.to_vec();
             self.given = given.clone();
             let bytes = (given.words.len() as u64 * 4).max(16);
             if self.attributes.size() < bytes {
-                self.attributes = buffers::storage(&self.engine, "burgeon attributes", bytes);
+                self.attributes = buffers::storage(&self.engine, "burgeon attributes", bytes)?;
             }
             self.write_given();
             for (id, kernels) in &self.stages {
-                let words = self.plan.environment(id.of(self.plan), &self.uniforms, given);
+                let words = self.plan.environment(id.of(&self.plan), &self.uniforms, given);
                 engine.queue.write_buffer(&kernels.environment, 0, bytemuck::cast_slice(&words));
             }
             Ok(())
@@ -169,7 +178,7 @@ impl Backend for Gpu<'_> {
         let len = records.len() / self.layout().record_words;
         let engine = self.engine.clone();
         engine.checked("uploading the axiom", || {
-            let chunk = self.take(len, 0);
+            let chunk = self.take(len, 0)?;
             let at = self.layout().halo_bytes();
             engine.queue.write_buffer(chunk.records(), at, bytemuck::cast_slice(&records));
             engine.queue.write_buffer(chunk.nets(), 0, bytemuck::cast_slice(&nets));
@@ -206,7 +215,7 @@ impl Backend for Gpu<'_> {
             let mut encoder = self.encoder("burgeon split");
             let mut pieces = Vec::new();
             for start in (0..chunk.len).step_by(most) {
-                let piece = self.take(most.min(chunk.len - start), chunk.halvings);
+                let piece = self.take(most.min(chunk.len - start), chunk.halvings)?;
                 for (from, to, bytes, halo) in [
                     (chunk.records(), piece.records(), layout.record_bytes(), layout.halo_bytes()),
                     (chunk.nets(), piece.nets(), layout.net_bytes(), 0),
@@ -235,7 +244,7 @@ impl Backend for Gpu<'_> {
             let (bytes, halo) = (layout.record_bytes(), HALO as u64);
             let lengths: Vec<usize> = chunks.iter().map(|chunk| chunk.len).collect();
             let beside = 2 * halo * bytes;
-            let gathered = self.pool.take(&engine, "burgeon edges", beside * chunks.len() as u64);
+            let gathered = self.pool.take(&engine, "burgeon edges", beside * chunks.len() as u64)?;
             let mut beyond = vec![0u32; layout.record_words];
             beyond[0] = END;
             let mut encoder = self.encoder("burgeon edges");
@@ -296,10 +305,12 @@ impl Backend for Gpu<'_> {
         let engine = self.engine.clone();
         engine.checked("rewriting a chunk", || {
             let n = chunk.len as u64;
-            self.room_for_attributes(id.of(self.plan), n);
-            self.room_for_turtle(id.of(self.plan), chunk);
+            let plan = self.plan.clone();
+            let stage = id.of(&plan);
+            self.room_for_attributes(stage, n)?;
+            self.room_for_turtle(stage, chunk)?;
             // Where the growth is closed no column is read: any buffer will do.
-            let columns = self.columns(if id.of(self.plan).closed.is_some() { 1 } else { n });
+            let columns = self.columns(if stage.closed.is_some() { 1 } else { n })?;
             let outcome = self.sweep(Sweep { id, clock, chunk, columns: &columns }, room)?;
             self.give_columns(columns);
             Ok(outcome)
@@ -307,7 +318,7 @@ impl Backend for Gpu<'_> {
     }
 }
 
-impl Traced for Gpu<'_> {
+impl Traced for Gpu {
     fn trace(&self) -> &Trace {
         self.trace.as_ref().unwrap_or(&UNTRACED)
     }
@@ -316,28 +327,18 @@ impl Traced for Gpu<'_> {
     }
 }
 
-/// Derives the whole schedule of a curve system on the engine's device and reads the word; how it went, too.
-pub fn derive_curve(
+/// Derives the whole schedule on the engine's device and reads what came of it: a word of what the axiom is of, nets or
+/// points, or one for each of several [`Words`](crate::curve::Words). How it went, too.
+///
+/// # Errors
+/// As [`derive`](derive::derive()); what the device says.
+pub fn derive<S: Start>(
     engine: &Engine,
     plan: &Plan,
-    axiom: &curve::Axiom,
+    start: &S,
     options: &Options,
-) -> Result<(curve::Word, derive::Derivation<GpuChunk>), Error> {
-    let uniforms = plan.uniforms(&options.set)?;
-    let mut gpu = Gpu::new(engine, plan, &uniforms)?;
-    let derivation = derive::derive(plan, axiom, &uniforms, options, &mut gpu)?;
-    Ok((derive::collect_curve(plan, &mut gpu, &derivation)?, derivation))
-}
-
-/// Derives the whole schedule on the engine's device and reads the word; how it went, too.
-pub fn derive(
-    engine: &Engine,
-    plan: &Plan,
-    axiom: &patch::Axiom,
-    options: &Options,
-) -> Result<(patch::Word, derive::Derivation<GpuChunk>), Error> {
-    let uniforms = plan.uniforms(&options.set)?;
-    let mut gpu = Gpu::new(engine, plan, &uniforms)?;
-    let derivation = derive::derive(plan, axiom, &uniforms, options, &mut gpu)?;
-    Ok((derive::collect(plan, &mut gpu, &derivation)?, derivation))
+) -> Result<Derived<S, GpuChunk>, Error> {
+    let mut gpu = Gpu::new(engine, plan)?;
+    let derivation = derive::derive(start, options, &mut gpu)?;
+    Ok((derive::collect(&mut gpu, &derivation)?, derivation))
 }

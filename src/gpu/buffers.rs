@@ -2,6 +2,7 @@
 
 use super::{Engine, Error};
 use std::sync::mpsc;
+use wgpu::BufferUsages;
 
 /// A buffer from the pool; it may be larger than what was asked for.
 #[derive(Clone, Debug)]
@@ -21,16 +22,19 @@ const KEPT: usize = 16;
 
 impl Pool {
     /// A storage buffer of at least `bytes`.
-    pub fn take(&mut self, engine: &Engine, label: &'static str, bytes: u64) -> Pooled {
+    ///
+    /// # Errors
+    /// As [`make`].
+    pub fn take(&mut self, engine: &Engine, label: &'static str, bytes: u64) -> Result<Pooled, Error> {
         let bytes = bytes.max(16).next_multiple_of(16);
         let fits = |b: &wgpu::Buffer| b.size() >= bytes && b.size() <= 2 * bytes.max(1 << 16);
         let smallest =
             (0..self.free.len()).filter(|&i| fits(&self.free[i])).min_by_key(|&i| self.free[i].size());
         let buffer = match smallest {
             Some(i) => self.free.swap_remove(i),
-            None => storage(engine, label, rounded(bytes, &engine.device.limits())),
+            None => storage(engine, label, rounded(bytes, &engine.device.limits()))?,
         };
-        Pooled { buffer }
+        Ok(Pooled { buffer })
     }
 
     /// Back to the pool. What was recorded with it runs before whatever is recorded later.
@@ -46,17 +50,69 @@ impl Pool {
 /// Some more than asked for, so that buffers of steps of nearly one size serve each other.
 fn rounded(bytes: u64, limits: &wgpu::Limits) -> u64 {
     let step = (bytes.next_power_of_two() / 8).max(256);
-    bytes.next_multiple_of(step).min(limits.max_buffer_size).max(bytes)
+    bytes.next_multiple_of(step).min(most_bytes(limits, BufferUsages::STORAGE)).max(bytes)
 }
 
-/// A buffer that kernels read and write, and that can be copied both ways.
-pub fn storage(engine: &Engine, label: &'static str, bytes: u64) -> wgpu::Buffer {
-    engine.device.create_buffer(&wgpu::BufferDescriptor {
+/// Bytes of the largest buffer of this usage. Storage is bound whole; uniforms may be slots of a larger buffer.
+fn most_bytes(limits: &wgpu::Limits, usage: BufferUsages) -> u64 {
+    match usage.contains(BufferUsages::STORAGE) {
+        true => limits.max_buffer_size.min(limits.max_storage_buffer_binding_size),
+        false => limits.max_buffer_size,
+    }
+}
+
+/// A buffer of at least so many bytes, which can be copied both ways: every one whose size depends on the rules, the
+/// axiom or the caller.
+///
+/// # Errors
+/// [`Error::Binding`] where the device binds less.
+pub fn make(
+    engine: &Engine,
+    label: &'static str,
+    bytes: u64,
+    usage: BufferUsages,
+) -> Result<wgpu::Buffer, Error> {
+    let size = bytes.max(16).next_multiple_of(16);
+    let most = most_bytes(&engine.device.limits(), usage);
+    if size > most {
+        return Err(Error::Binding { buffer: label, needed: size, most });
+    }
+    Ok(engine.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
-        size: bytes,
-        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
+        size,
+        usage: usage | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
         mapped_at_creation: false,
-    })
+    }))
+}
+
+/// One that kernels read and write.
+///
+/// # Errors
+/// As [`make`].
+pub fn storage(engine: &Engine, label: &'static str, bytes: u64) -> Result<wgpu::Buffer, Error> {
+    make(engine, label, bytes, BufferUsages::STORAGE)
+}
+
+/// A uniform of these words, bound whole.
+///
+/// # Errors
+/// [`Error::Uniforms`] where the device binds less.
+pub fn uniform(engine: &Engine, label: &'static str, words: &[u32]) -> Result<wgpu::Buffer, Error> {
+    let bytes = 4 * words.len() as u64;
+    fits_uniform(engine, bytes)?;
+    let buffer = make(engine, label, bytes, BufferUsages::UNIFORM)?;
+    engine.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words));
+    Ok(buffer)
+}
+
+/// # Errors
+/// [`Error::Uniforms`] where the device binds fewer bytes of uniforms.
+pub fn fits_uniform(engine: &Engine, bytes: u64) -> Result<(), Error> {
+    let most = engine.device.limits().max_uniform_buffer_binding_size;
+    match bytes > most {
+        true => Err(Error::Uniforms { needed: bytes, most }),
+        false => Ok(()),
+    }
 }
 
 /// Where results are mapped for the host.
@@ -64,7 +120,7 @@ pub fn staging(engine: &Engine, bytes: u64) -> wgpu::Buffer {
     engine.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("burgeon staging"),
         size: bytes,
-        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+        usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
         mapped_at_creation: false,
     })
 }

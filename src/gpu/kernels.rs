@@ -1,17 +1,19 @@
 //! Pipelines and bind groups, made from the list of passes.
 
-use super::{Engine, Error};
+use super::{Engine, Error, buffers};
 use crate::codegen::{self, Shader};
-use crate::plan::Plan;
 use crate::plan::derive::StageId;
 use crate::plan::layout::Layout;
 use crate::plan::step::{self, Column, Pass};
+use crate::plan::{Given, Plan};
 
 /// One compute pipeline; `stages` of it where a pass takes several dispatches.
 #[derive(Debug)]
 pub struct Kernel {
     pub layout: wgpu::BindGroupLayout,
     pub pipelines: Vec<wgpu::ComputePipeline>,
+    /// Whether one of its bindings is a slot.
+    pub slotted: bool,
     label: &'static str,
 }
 
@@ -70,7 +72,7 @@ impl Kernel {
             })
         };
         let pipelines = entries.iter().map(pipeline).collect();
-        Kernel { layout, pipelines, label }
+        Kernel { layout, pipelines, slotted: bindings.contains(&Bound::Slot), label }
     }
 
     fn of_pass(engine: &Engine, shader: &Shader, pass: &Pass, entries: &[&str]) -> Kernel {
@@ -199,6 +201,17 @@ fn rounds(n: u64) -> usize {
     (u64::BITS - n.leading_zeros()) as usize + 1
 }
 
+/// Whether the device binds what the expressions of every stage read.
+///
+/// # Errors
+/// [`Error::Uniforms`].
+pub fn fits(engine: &Engine, plan: &Plan) -> Result<(), Error> {
+    let stages = plan.tables.rule_sets.iter().flat_map(|set| &set.stages);
+    // However long it is does not depend on the values.
+    let words = stages.map(|stage| plan.environment(stage, &[], &Given::default()).len());
+    buffers::fits_uniform(engine, 4 * words.max().unwrap_or(0) as u64)
+}
+
 /// The kernels of a stage, and its environment.
 pub struct StageKernels {
     pub measure: Option<Kernel>,
@@ -219,13 +232,7 @@ impl StageKernels {
         environment: &[u32],
     ) -> Result<StageKernels, Error> {
         let shaders = codegen::stage_edited(plan, id, engine.tuning(), engine.edit.as_ref())?;
-        let buffer = engine.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("burgeon environment"),
-            size: environment.len() as u64 * 4,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        engine.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(environment));
+        let buffer = buffers::uniform(engine, "burgeon environment", environment)?;
         let claim = |s: &Shader| Kernel::of_pass(engine, s, &step::CLAIM, &["reduce", "spine", "claim"]);
         let measure = |s: &Shader| Kernel::of_pass(engine, s, &step::MEASURE, &["measure"]);
         let link = |s: &Shader| Kernel::of_pass(engine, s, &step::LINK, &LINK_ENTRIES);

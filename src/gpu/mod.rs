@@ -14,8 +14,9 @@ mod stencil;
 mod sweep;
 pub mod tessellate;
 mod turtle;
+mod warm;
 
-pub use backend::{Gpu, GpuChunk, derive, derive_curve};
+pub use backend::{Gpu, GpuChunk, derive};
 pub use headless::{Headless, Requirement, adapters, adapters_in, is_hardware};
 pub use scans::{Bandwidth, Measure, ScanBuffers, Scans};
 pub use stencil::Stencil;
@@ -40,9 +41,15 @@ pub enum Error {
     Capacity { buffer: &'static str, needed: u64, capacity: u64 },
     #[error("{0}")]
     NoAdapter(String),
-    /// More room was asked for than the device binds in one piece.
+    /// More room was asked for than the device binds in one piece; nothing was made.
     #[error("the buffer of {buffer} would take {needed} bytes; the device binds {most} at most")]
     Binding { buffer: &'static str, needed: u64, most: u64 },
+    /// What expressions read beside a module is bound as one uniform; nothing was made.
+    #[error(
+        "the values that rules read (params, consts with their lists, numbers of the rules) take {needed} bytes; \
+         the device binds {most} of uniforms at most: write shorter lists, or derive on the CPU"
+    )]
+    Uniforms { needed: u64, most: u64 },
     #[error(transparent)]
     Level(#[from] crate::tessellate::LevelError),
     #[error(transparent)]

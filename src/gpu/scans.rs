@@ -57,10 +57,10 @@ impl Scans {
         engine.checked("preparing a scan", || {
             let count = source.len() as u64;
             let tiles = count.div_ceil(engine.tuning.tile() as u64);
-            let buffer = |label, bytes: u64| buffers::storage(engine, label, bytes.max(16));
+            let buffer = |label, bytes: u64| buffers::storage(engine, label, bytes);
             let (input, out) =
-                (buffer("burgeon scan source", count * 4), buffer("burgeon scan out", count * 4 + 4));
-            let sums = buffer("burgeon scan sums", tiles * 4 + 4);
+                (buffer("burgeon scan source", count * 4)?, buffer("burgeon scan out", count * 4 + 4)?);
+            let sums = buffer("burgeon scan sums", tiles * 4 + 4)?;
             engine.queue.write_buffer(&input, 0, bytemuck::cast_slice(source));
             let wanted = if let Measure::Compact { wanted } = what { wanted } else { 0 };
             let extent = Extent { count: count as u32, wanted, ..Extent::default() };
@@ -159,8 +159,8 @@ impl Bandwidth {
             let extent = uniform(engine);
             let counts = Extent { count: count as u32, ..Extent::default() };
             engine.queue.write_buffer(&extent, 0, bytemuck::bytes_of(&counts));
-            let source = buffers::storage(engine, "burgeon copy source", count * 16);
-            let out = buffers::storage(engine, "burgeon copy out", growth * count * 16);
+            let source = buffers::storage(engine, "burgeon copy source", count * 16)?;
+            let out = buffers::storage(engine, "burgeon copy out", growth * count * 16)?;
             let bound = [
                 Binding::new(&extent, size_of::<Extent>() as u64),
                 Binding::new(&source, count * 16),

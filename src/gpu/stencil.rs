@@ -1,7 +1,7 @@
 //! A curve that follows its control points: [`Stencils`] on a device, one dispatch a frame.
 
 use super::kernels::{self, Binding, Bound, Kernel};
-use super::{Engine, Error, buffers};
+use super::{Engine, Error, buffers, warm};
 use crate::affine::Stencils;
 use crate::codegen;
 use wgpu::BufferUsages;
@@ -37,17 +37,8 @@ impl Stencil {
     /// # Errors
     /// [`Error::Binding`] for a table or a curve larger than the device binds; what the device says.
     pub fn new(engine: &Engine, table: &Stencils) -> Result<Stencil, Error> {
-        let limit = engine.device.limits().max_storage_buffer_binding_size;
-        let make = |label: &'static str, bytes: usize, usage: BufferUsages| {
-            let size = (bytes as u64).max(16).next_multiple_of(16);
-            if size > limit {
-                return Err(Error::Binding { buffer: label, needed: size, most: limit });
-            }
-            let usage = usage | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-            let descriptor =
-                wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };
-            Ok(engine.device.create_buffer(&descriptor))
-        };
+        let make =
+            |label: &'static str, bytes: usize, usage| buffers::make(engine, label, bytes as u64, usage);
         engine.checked("preparing a table of stencils", || {
             let shader = codegen::stencil_edited(&engine.tuning, engine.edit.as_ref())?;
             let bound = [Bound::Slot, Bound::Read, Bound::Read, Bound::Read, Bound::Written];
@@ -89,6 +80,14 @@ impl Stencil {
         }
         self.engine.queue.write_buffer(&self.control, 0, bytemuck::cast_slice(control));
         Ok(())
+    }
+
+    /// Has the driver compile the kernel, and waits for it; else it may in the first frame.
+    ///
+    /// # Errors
+    /// What the device says.
+    pub fn warm_up(&self) -> Result<(), Error> {
+        warm::warm(&self.engine, |encoder| self.encode(encoder))
     }
 
     /// Records one dispatch: the curve of the control points as they then are.

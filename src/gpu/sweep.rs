@@ -61,21 +61,21 @@ struct Totals {
     retired: usize,
 }
 
-impl Gpu<'_> {
-    pub(super) fn columns(&mut self, n: u64) -> Columns {
+impl Gpu {
+    pub(super) fn columns(&mut self, n: u64) -> Result<Columns, Error> {
         let sums = (n.div_ceil(self.engine.tuning.tile() as u64) + 1) * 4;
         // Sections of the column of links.
         let links = if self.layout().link.is_some() { 4 * 4 * n } else { 4 };
         let mut take = |label, bytes| self.pool.take(&self.engine, label, bytes);
-        Columns {
-            rules: take("burgeon rules", n * 4),
-            counts: take("burgeon counts", n * 4),
-            offsets: take("burgeon offsets", n * 4 + 4),
-            sums: take("burgeon sums", sums),
-            retired: take("burgeon retired", n * 4),
-            retired_sums: take("burgeon retired sums", sums),
-            links: take("burgeon links", links),
-        }
+        Ok(Columns {
+            rules: take("burgeon rules", n * 4)?,
+            counts: take("burgeon counts", n * 4)?,
+            offsets: take("burgeon offsets", n * 4 + 4)?,
+            sums: take("burgeon sums", sums)?,
+            retired: take("burgeon retired", n * 4)?,
+            retired_sums: take("burgeon retired sums", sums)?,
+            links: take("burgeon links", links)?,
+        })
     }
 
     pub(super) fn give_columns(&mut self, columns: Columns) {
@@ -100,14 +100,14 @@ impl Gpu<'_> {
     }
 
     /// Makes room for the attributes that the stage reads of so many modules, behind what is given.
-    pub(super) fn room_for_attributes(&mut self, stage: &Stage, n: u64) {
+    pub(super) fn room_for_attributes(&mut self, stage: &Stage, n: u64) -> Result<(), Error> {
         let given = self.given.words.len() as u64;
         let bytes = (given + n * stage.row.words as u64) * 4;
         if self.attributes.size() < bytes {
-            let bytes = bytes.next_multiple_of(1 << 16);
-            self.attributes = buffers::storage(&self.engine, "burgeon attributes", bytes);
+            self.attributes = self.pool.take(&self.engine, "burgeon attributes", bytes)?.buffer;
             self.write_given();
         }
+        Ok(())
     }
 
     pub(super) fn write_given(&self) {
@@ -122,7 +122,7 @@ impl Gpu<'_> {
 
     /// The attributes that the rules read, into room that is there.
     fn measure(&self, pass: &mut wgpu::ComputePass, id: StageId, chunk: &GpuChunk, slot: u64) {
-        let (stage, layout, n) = (id.of(self.plan), self.layout(), chunk.len as u64);
+        let (stage, layout, n) = (id.of(&self.plan), self.layout(), chunk.len as u64);
         self.turtle(pass, id, chunk, slot);
         let kernels = &self.stages[&id];
         let Some(kernel) = &kernels.measure else { return };
@@ -140,7 +140,8 @@ impl Gpu<'_> {
     /// measure → match → count → scan, and compact; then the totals, read.
     fn totals(&mut self, sweep: Sweep) -> Result<Totals, Error> {
         let Sweep { id, clock, chunk, columns } = sweep;
-        let stage: &Stage = id.of(self.plan);
+        let plan = self.plan.clone();
+        let stage: &Stage = id.of(&plan);
         let n = chunk.len as u64;
         let given = self.given.words.len() as u32;
         let curve = self.layout().is_curve();
@@ -251,7 +252,7 @@ impl Gpu<'_> {
             let nets = |c: &'_ GpuChunk| c.len as u64 * layout.net_bytes();
             if let Some(Target { chunk: next, capacity, .. }) = next {
                 self.write_extent(1, extent(chunk.len, capacity));
-                let stage = id.of(self.plan);
+                let stage = id.of(&self.plan);
                 if stage.closed.is_some() {
                     self.measure(&mut pass, id, chunk, 1);
                 }
@@ -304,7 +305,7 @@ impl Gpu<'_> {
 
     fn totals_or_closed(&mut self, sweep: Sweep) -> Result<Totals, Error> {
         let Sweep { id, chunk, .. } = sweep;
-        match id.of(self.plan).closed {
+        match id.of(&self.plan).closed {
             Some(growth) => Ok(Totals {
                 status: Status { fired: 1, ..Status::default() },
                 modules: chunk.len * growth as usize,
@@ -330,9 +331,10 @@ impl Gpu<'_> {
         self.compile_stage(id)?;
         let engine = self.engine.clone();
         engine.checked("rewriting a chunk into buffers of the caller", || {
-            self.room_for_attributes(id.of(self.plan), chunk.len as u64);
-            self.room_for_turtle(id.of(self.plan), chunk);
-            let columns = self.columns(chunk.len as u64);
+            let plan = self.plan.clone();
+            self.room_for_attributes(id.of(&plan), chunk.len as u64)?;
+            self.room_for_turtle(id.of(&plan), chunk)?;
+            let columns = self.columns(chunk.len as u64)?;
             let sweep = Sweep { id, clock, chunk, columns: &columns };
             let totals = self.totals_or_closed(sweep)?;
             let target = |(chunk, capacity): (_, usize), modules| {
@@ -357,7 +359,8 @@ impl Gpu<'_> {
     /// The passes of a sweep into chunks made for what comes, if they may take `room` bytes.
     pub(super) fn sweep(&mut self, sweep: Sweep, room: u64) -> Result<Outcome<GpuChunk>, Error> {
         let Sweep { id, chunk, columns, .. } = sweep;
-        let stage: &Stage = id.of(self.plan);
+        let plan = self.plan.clone();
+        let stage: &Stage = id.of(&plan);
         let totals = self.totals_or_closed(sweep)?;
         self.keep_trace(id, chunk.len as u64, totals.retired, columns)?;
         if totals.status.too_deep != 0 {
@@ -368,8 +371,8 @@ impl Gpu<'_> {
             return Ok(Outcome::NoRoom { needed: modules * self.layout().module_bytes(), modules });
         }
         let halvings = chunk.halvings + 1;
-        let next = (totals.modules > 0).then(|| self.take(totals.modules, halvings));
-        let finished = (totals.retired > 0).then(|| self.take(totals.retired, chunk.halvings));
+        let next = (totals.modules > 0).then(|| self.take(totals.modules, halvings)).transpose()?;
+        let finished = (totals.retired > 0).then(|| self.take(totals.retired, chunk.halvings)).transpose()?;
         // Where match_modules did not run, emit is the first to see an address that is full.
         let may_be_too_deep = stage.closed.is_some() && halvings > MAX_HALVINGS as u32;
         if may_be_too_deep {
@@ -396,7 +399,7 @@ impl Gpu<'_> {
             return Ok(());
         }
         let mut trace = Trace::default();
-        if id.of(self.plan).closed.is_none() {
+        if id.of(&self.plan).closed.is_none() {
             let read = |c: &Pooled, words: u64| {
                 if words == 0 {
                     return Ok(Vec::new());
@@ -417,7 +420,7 @@ impl Gpu<'_> {
 
     /// What was measured of so many modules.
     pub(super) fn read_attributes(&self, id: StageId, n: u64) -> Result<Vec<u32>, Error> {
-        let row = id.of(self.plan).row.words as u64;
+        let row = id.of(&self.plan).row.words as u64;
         if row == 0 {
             return Ok(Vec::new());
         }

@@ -19,16 +19,16 @@ pub(super) struct Turtle {
 }
 
 impl Turtle {
-    pub fn new(engine: &Engine) -> Turtle {
-        Turtle {
-            carried: buffers::storage(engine, "burgeon turtle", MOTION_BYTES),
-            motions: buffers::storage(engine, "burgeon motions", MOTION_BYTES),
-            links: buffers::storage(engine, "burgeon turtle links", 16),
-        }
+    pub fn new(engine: &Engine) -> Result<Turtle, Error> {
+        Ok(Turtle {
+            carried: buffers::storage(engine, "burgeon turtle", MOTION_BYTES)?,
+            motions: buffers::storage(engine, "burgeon motions", MOTION_BYTES)?,
+            links: buffers::storage(engine, "burgeon turtle links", 16)?,
+        })
     }
 }
 
-impl Gpu<'_> {
+impl Gpu {
     fn linked(&self) -> bool {
         self.layout().link.is_some()
     }
@@ -48,20 +48,21 @@ impl Gpu<'_> {
     }
 
     /// Makes room for the motions of so many modules; at the start of a word the turtle stands at the origin.
-    pub(super) fn room_for_turtle(&mut self, stage: &Stage, chunk: &GpuChunk) {
+    pub(super) fn room_for_turtle(&mut self, stage: &Stage, chunk: &GpuChunk) -> Result<(), Error> {
         if !stage.row.turtle {
-            return;
+            return Ok(());
         }
         let [motions, links] = self.turtle_bytes(chunk.len as u64);
         if self.turtle.motions.size() < motions {
-            self.turtle.motions = buffers::storage(&self.engine, "burgeon motions", motions);
+            self.turtle.motions = buffers::storage(&self.engine, "burgeon motions", motions)?;
         }
         if self.turtle.links.size() < links {
-            self.turtle.links = buffers::storage(&self.engine, "burgeon turtle links", links);
+            self.turtle.links = buffers::storage(&self.engine, "burgeon turtle links", links)?;
         }
         if chunk.before == 0 {
             self.engine.queue.write_buffer(&self.turtle.carried, 0, bytemuck::cast_slice(&STILL));
         }
+        Ok(())
     }
 
     /// Records what writes the rows of a chunk.
@@ -76,7 +77,7 @@ impl Gpu<'_> {
         let bound = [
             self.extent(slot),
             Binding::new(chunk.records(), self.layout().chunk_bytes(n)),
-            self.attributes(id.of(self.plan), n),
+            self.attributes(id.of(&self.plan), n),
             Binding::new(&self.turtle.motions, motions),
             last,
         ];
@@ -106,8 +107,9 @@ impl Gpu<'_> {
         self.compile_stage(id)?;
         let engine = self.engine.clone();
         let rows = engine.checked("tracing", || {
-            self.room_for_attributes(id.of(self.plan), chunk.len as u64);
-            self.room_for_turtle(id.of(self.plan), &chunk);
+            let plan = self.plan.clone();
+            self.room_for_attributes(id.of(&plan), chunk.len as u64)?;
+            self.room_for_turtle(id.of(&plan), &chunk)?;
             self.write_count(&chunk);
             let mut encoder = self.encoder("burgeon turtle");
             {

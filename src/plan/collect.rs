@@ -1,81 +1,96 @@
 //! What a derivation has made, read back as words.
 
 use super::derive::{Backend, Derivation};
-use super::layout::{Header, LATERAL, Layout, NONE};
+use super::layout::{Header, LATERAL, NONE};
+use super::tables::Symbol;
 use super::{Error, Plan};
 use crate::language::expr::Value;
 use crate::language::system::Kind;
 use crate::{curve, patch};
+use std::sync::Arc;
 
-/// Reads all chunks and puts the modules in the order of the derivation tree.
-pub fn collect<B: Backend>(
-    plan: &Plan,
-    backend: &mut B,
-    derivation: &Derivation<B::Chunk>,
-) -> Result<patch::Word, B::Error> {
-    let layout = plan.tables.layout;
-    let (mut records, mut nets) = (Vec::new(), Vec::new());
-    for chunk in &derivation.chunks {
-        let (r, n) = backend.read(chunk)?;
-        if records.is_empty() {
-            (records, nets) = (r, n);
-        } else {
-            records.extend(r);
-            nets.extend(n);
-        }
-    }
-    Ok(word(plan, &layout, derivation.steps.len() as u32, &records, nets))
+/// A word, or several, as a derivation is read back.
+pub trait Collected: Sized {
+    /// See [`collect`], which has looked whether the backend is the one that derived it.
+    ///
+    /// # Errors
+    /// What the backend says, and where a device is not right.
+    fn of<B: Backend>(backend: &mut B, derivation: &Derivation<B::Chunk, Self>) -> Result<Self, B::Error>;
 }
 
-/// Reads several words that were derived at once; those of which nothing is left are empty.
-pub fn collect_words<B: Backend>(
-    plan: &Plan,
+/// Reads what was derived: a [`patch::Word`] from the axiom of a patch system, a [`curve::Word`] from that of a curve,
+/// and one for each of [`curve::Words`].
+///
+/// # Errors
+/// [`Error::Axiom`] for a backend of another plan than the one that derived it; what the backend says.
+pub fn collect<W: Collected, B: Backend>(
     backend: &mut B,
-    derivation: &Derivation<B::Chunk>,
-    count: usize,
-) -> Result<Vec<curve::Word>, B::Error> {
-    let layout = plan.tables.layout;
-    let Some(at) = layout.word else {
-        return Err(Error::Axiom("only a plan of words has several: Plan::of_words".to_string()).into());
-    };
-    let (mut all, mut first) = (vec![Vec::new(); count], vec![0; count]);
-    for chunk in &derivation.chunks {
-        let (records, _) = backend.read(chunk)?;
-        for (n, record) in records.chunks_exact(layout.record_words).enumerate() {
-            let word = record[at] as usize;
-            let Some(own) = all.get_mut(word) else {
-                let what = format!("module {n} is of no word: the device is not right");
-                return Err(Error::Value(what).into());
-            };
-            if own.is_empty() {
-                first[word] = n;
+    derivation: &Derivation<B::Chunk, W>,
+) -> Result<W, B::Error> {
+    if !Arc::ptr_eq(&backend.plan().tables, &derivation.tables) {
+        let message = "a derivation is read by a backend of the plan that derived it; this one has another";
+        return Err(Error::Axiom(message.to_string()).into());
+    }
+    W::of(backend, derivation)
+}
+
+/// Modules in the order of the derivation tree.
+impl Collected for patch::Word {
+    fn of<B: Backend>(backend: &mut B, derivation: &Derivation<B::Chunk, Self>) -> Result<Self, B::Error> {
+        let (mut records, mut nets) = (Vec::new(), Vec::new());
+        for chunk in &derivation.chunks {
+            let (r, n) = backend.read(chunk)?;
+            if records.is_empty() {
+                (records, nets) = (r, n);
+            } else {
+                records.extend(r);
+                nets.extend(n);
             }
-            own.extend(record);
         }
+        Ok(word(backend.plan(), derivation.steps.len() as u32, &records, nets)?)
     }
-    let words = all
-        .iter()
-        .zip(first)
-        .map(|(records, first)| curve_word(plan, derivation.steps.len(), records, first));
-    Ok(words.collect::<Result<_, Error>>()?)
 }
 
-/// Reads all chunks of a curve's word.
-pub fn collect_curve<B: Backend>(
-    plan: &Plan,
-    backend: &mut B,
-    derivation: &Derivation<B::Chunk>,
-) -> Result<curve::Word, B::Error> {
-    let mut records = Vec::new();
-    for chunk in &derivation.chunks {
-        let (read, _) = backend.read(chunk)?;
-        if records.is_empty() {
-            records = read;
-        } else {
-            records.extend(read);
+/// In their order; those of which nothing is left are empty.
+impl Collected for Vec<curve::Word> {
+    fn of<B: Backend>(backend: &mut B, derivation: &Derivation<B::Chunk, Self>) -> Result<Self, B::Error> {
+        let plan = backend.plan().clone();
+        let layout = plan.tables.layout;
+        let Some(at) = layout.word else { return Ok(vec![]) };
+        let (mut all, mut first) = (vec![Vec::new(); derivation.words], vec![0; derivation.words]);
+        for chunk in &derivation.chunks {
+            let (records, _) = backend.read(chunk)?;
+            for (n, record) in records.chunks_exact(layout.record_words).enumerate() {
+                let word = record[at] as usize;
+                let Some(own) = all.get_mut(word) else {
+                    let what = format!("module {n} is of no word: the device is not right");
+                    return Err(Error::Value(what).into());
+                };
+                if own.is_empty() {
+                    first[word] = n;
+                }
+                own.extend(record);
+            }
         }
+        let steps = derivation.steps.len();
+        let words = all.iter().zip(first).map(|(records, first)| curve_word(&plan, steps, records, first));
+        Ok(words.collect::<Result<_, Error>>()?)
     }
-    Ok(curve_word(plan, derivation.steps.len(), &records, 0)?)
+}
+
+impl Collected for curve::Word {
+    fn of<B: Backend>(backend: &mut B, derivation: &Derivation<B::Chunk, Self>) -> Result<Self, B::Error> {
+        let mut records = Vec::new();
+        for chunk in &derivation.chunks {
+            let (read, _) = backend.read(chunk)?;
+            if records.is_empty() {
+                records = read;
+            } else {
+                records.extend(read);
+            }
+        }
+        Ok(curve_word(backend.plan(), derivation.steps.len(), &records, 0)?)
+    }
 }
 
 /// The word of these records, the first of which others hang on by the number `first`.
@@ -86,11 +101,7 @@ fn curve_word(plan: &Plan, steps: usize, records: &[u32], first: usize) -> Resul
     };
     let module = |(at, record): (usize, &[u32])| {
         let symbol = (record[0] & 0xffff) as usize;
-        let Some(table) = plan.tables.symbols.get(symbol) else {
-            return Err(Error::Value(format!(
-                "module {at} of the word has no symbol: the device is not right"
-            )));
-        };
+        let table = table_of(plan, symbol, at)?;
         let (parent, lateral) = match layout.link.map(|word| record[word]) {
             None => (at.checked_sub(1), false),
             Some(link) => {
@@ -108,18 +119,32 @@ fn curve_word(plan: &Plan, steps: usize, records: &[u32], first: usize) -> Resul
         })
     };
     let modules = records.chunks_exact(layout.record_words).enumerate().map(module);
+    let modules = modules.collect::<Result<_, Error>>()?;
     let symbols = plan.tables.symbols.iter();
     Ok(curve::Word {
         system: plan.system.name.clone(),
         steps: steps as u32,
         topology,
         symbols: symbols.map(|s| patch::Symbol { name: s.name.clone(), fields: s.fields.clone() }).collect(),
-        modules: modules.collect::<Result<_, _>>()?,
+        modules,
+    })
+}
+
+/// The symbol of a module of the word.
+fn table_of(plan: &Plan, symbol: usize, module: usize) -> Result<&Symbol, Error> {
+    plan.tables.symbols.get(symbol).ok_or_else(|| {
+        Error::Value(format!("module {module} of the word has no symbol: the device is not right"))
     })
 }
 
 /// The word of these modules, in the order of the derivation tree.
-pub fn word(plan: &Plan, layout: &Layout, steps: u32, records: &[u32], nets: Vec<[f32; 4]>) -> patch::Word {
+pub(crate) fn word(
+    plan: &Plan,
+    steps: u32,
+    records: &[u32],
+    nets: Vec<[f32; 4]>,
+) -> Result<patch::Word, Error> {
+    let layout = &plan.tables.layout;
     let headers: Vec<Header> = records.chunks_exact(layout.record_words).map(Header::read).collect();
     let place = |h: &Header| (h.root, h.key);
     let sorted = headers.is_sorted_by_key(place);
@@ -129,26 +154,26 @@ pub fn word(plan: &Plan, layout: &Layout, steps: u32, records: &[u32], nets: Vec
     }
     let module = |&i: &u32| {
         let header = &headers[i as usize];
-        let symbol = &plan.tables.symbols[header.symbol as usize];
+        let symbol = table_of(plan, header.symbol as usize, i as usize)?;
         let record = &records[i as usize * layout.record_words..][..layout.record_words];
         let params = symbol.fields.iter().zip(&symbol.words);
-        patch::Module {
+        Ok(patch::Module {
             symbol: header.symbol as usize,
             params: params.map(|(f, &at)| Value::from_words(&f.ty, &record[at..])).collect(),
             root: header.root,
             key: header.key,
             cell: header.cell,
-        }
+        })
     };
     let points = layout.net_points();
-    let modules = order.iter().map(module).collect();
+    let modules = order.iter().map(module).collect::<Result<_, Error>>()?;
     let nets = if sorted {
         nets
     } else {
         order.iter().flat_map(|&i| &nets[i as usize * points..][..points]).copied().collect()
     };
     let visible = plan.tables.symbols.iter().filter(|s| !s.hidden);
-    patch::Word {
+    Ok(patch::Word {
         system: plan.system.name.clone(),
         steps,
         symbols: visible.map(|s| patch::Symbol { name: s.name.clone(), fields: s.fields.clone() }).collect(),
@@ -156,5 +181,5 @@ pub fn word(plan: &Plan, layout: &Layout, steps: u32, records: &[u32], nets: Vec
         rational: plan.rational(),
         modules,
         nets,
-    }
+    })
 }

@@ -14,6 +14,7 @@ use super::links::Links;
 use super::step::Clock;
 use super::tables::Stage;
 use super::turtle;
+use crate::language::expr::Value;
 use std::sync::Arc;
 
 /// What the passes of one sweep wrote, for comparison: the columns of [`super::step::Column`].
@@ -95,8 +96,8 @@ pub enum PairError<L, R> {
 }
 
 /// Two backends as one: it does everything on both and compares.
-pub struct Pair<'a, L: Replay, R: Traced> {
-    plan: &'a Plan,
+pub struct Pair<L: Replay, R: Traced> {
+    plan: Arc<Plan>,
     left: L,
     right: R,
     names: [&'static str; 2],
@@ -116,13 +117,13 @@ pub struct Pair<'a, L: Replay, R: Traced> {
 type ChunksOf<L, R> = (<L as Backend>::Chunk, <R as Backend>::Chunk);
 type ErrorOf<L, R> = PairError<<L as Backend>::Error, <R as Backend>::Error>;
 
-impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
-    /// A pair whose messages use these names.
-    pub fn new(plan: &'a Plan, mut left: L, mut right: R, names: [&'static str; 2]) -> Self {
+impl<L: Replay, R: Traced> Pair<L, R> {
+    /// A pair whose messages use these names; both must be of one plan.
+    pub fn new(mut left: L, mut right: R, names: [&'static str; 2]) -> Self {
         left.set_traced();
         right.set_traced();
         Pair {
-            plan,
+            plan: left.plan().clone(),
             left,
             right,
             names,
@@ -169,7 +170,7 @@ impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
         left: &Modules,
         right: &Modules,
     ) -> Result<(), ErrorOf<L, R>> {
-        let plan = self.plan;
+        let plan = &*self.plan.clone();
         let place = |at| place_in_records(plan, &left.0, at);
         self.same(pass, &left.0, &right.0, place, |w| format!("{w:#x}"))?;
         let bits = |nets: &[[f32; 4]]| -> Vec<u32> { nets.iter().flatten().map(|x| x.to_bits()).collect() };
@@ -208,7 +209,7 @@ impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
         let lengths = |t: &Trace| [t.attributes.len(), t.rules.len()];
         self.same("measure", &lengths(&own), &lengths(&other), whole, |n| format!("{n} words"))?;
         let [before, behind] = self.left.around(chunk);
-        let turtle = id.of(self.plan).row.turtle;
+        let turtle = id.of(&self.plan).row.turtle;
         if turtle {
             let reach = if before == 0 { 0.0 } else { self.reach };
             self.reach = reach.max(turtle::reach(&own.attributes));
@@ -216,7 +217,7 @@ impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
         if own.attributes == other.attributes && own.rules == other.rules {
             return Ok(false);
         }
-        let plan = self.plan;
+        let plan = &*self.plan.clone();
         let (stage, layout) = (id.of(plan), plan.tables.layout);
         let (records, nets) = self.left.read(chunk).map_err(PairError::Left)?;
         let environment = self.left.environment(id);
@@ -285,7 +286,7 @@ impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
         left: &[u32],
         mut right: Vec<u32>,
     ) -> Vec<u32> {
-        let plan = self.plan;
+        let plan = &*self.plan.clone();
         let (stage, words) = (id.of(plan), plan.tables.layout.record_words);
         let trace = self.left.trace().clone();
         let environment = self.left.environment(id);
@@ -333,14 +334,18 @@ impl<'a, L: Replay, R: Traced> Pair<'a, L, R> {
     }
 }
 
-impl<L: Replay, R: Traced> Backend for Pair<'_, L, R> {
+impl<L: Replay, R: Traced> Backend for Pair<L, R> {
     type Chunk = (L::Chunk, R::Chunk);
     type Error = ErrorOf<L, R>;
 
-    fn bind(&mut self, given: &Given) -> Result<(), Self::Error> {
+    fn plan(&self) -> &Arc<Plan> {
+        &self.plan
+    }
+
+    fn bind(&mut self, uniforms: &[Value], given: &Given) -> Result<(), Self::Error> {
         self.given = Arc::new(given.clone());
-        self.left.bind(given).map_err(PairError::Left)?;
-        self.right.bind(given).map_err(PairError::Right)
+        self.left.bind(uniforms, given).map_err(PairError::Left)?;
+        self.right.bind(uniforms, given).map_err(PairError::Right)
     }
 
     fn upload(&mut self, records: Vec<u32>, nets: Vec<[f32; 4]>) -> Result<Self::Chunk, Self::Error> {
@@ -501,7 +506,7 @@ fn kind<C>(outcome: &Outcome<C>) -> usize {
     }
 }
 
-impl<L: Replay, R: Traced> Pair<'_, L, R> {
+impl<L: Replay, R: Traced> Pair<L, R> {
     /// The chunks of both, compared; where only one has modules, that is the difference. `parents`
     /// says what they are made of, where they are not copies.
     fn both(

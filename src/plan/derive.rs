@@ -10,14 +10,16 @@ use super::given::{Given, View};
 use super::schedule::{self, Derive};
 use super::size::{self, Bounds};
 use super::step::Clock;
-use super::tables::{RulesOf, Stage};
-use super::{Error, Plan, links, turtle};
+use super::tables::{RulesOf, Stage, Tables};
+use super::{Error, Plan, Settings, links, turtle};
 use crate::language::expr::Value;
 use crate::patch;
+use std::marker::PhantomData;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-pub use super::collect::{collect, collect_curve, collect_words};
+pub use super::collect::{Collected, collect};
 pub use super::start::Start;
 
 /// Records and nets of some modules, on the host.
@@ -29,8 +31,11 @@ pub trait Backend {
     type Chunk;
     type Error: From<Error>;
 
-    /// What the host gives, for all chunks until it is bound again.
-    fn bind(&mut self, given: &Given) -> Result<(), Self::Error>;
+    /// What it runs.
+    fn plan(&self) -> &Arc<Plan>;
+    /// The values of the plan's uniforms and what the host gives, for all chunks until others are bound. A backend
+    /// begins with the params' defaults.
+    fn bind(&mut self, uniforms: &[Value], given: &Given) -> Result<(), Self::Error>;
     /// A chunk of these records and nets.
     fn upload(&mut self, records: Vec<u32>, nets: Vec<[f32; 4]>) -> Result<Self::Chunk, Self::Error>;
     /// The records and nets of a chunk.
@@ -85,14 +90,14 @@ pub enum Outcome<C> {
 /// How a derivation is run.
 #[derive(Clone)]
 pub struct Options<'a> {
-    /// Params by name.
+    /// Params by name; the others are their defaults.
     pub set: Vec<(String, Value)>,
     /// The values of queries without `=`, by name.
     pub bind: Vec<(String, patch::Values)>,
     /// What `bbox_px` and `area_px` are seen through.
     pub view: Option<View>,
-    /// What random numbers begin with.
-    pub seed: u32,
+    /// What random numbers begin with; none: the param `seed` of the system, if it has one of type int, else 0.
+    pub seed: Option<u32>,
     /// Stop after this many steps in all.
     pub steps: Option<u32>,
     /// Bytes that the word, with what a step writes, may take.
@@ -112,7 +117,7 @@ impl Default for Options<'_> {
             set: Vec::new(),
             bind: Vec::new(),
             view: None,
-            seed: 0,
+            seed: None,
             steps: None,
             max_bytes: 4 << 30,
             chunk_modules: None,
@@ -142,41 +147,51 @@ pub struct StepStats {
     pub time: Duration,
 }
 
-/// The final word, in chunks, and how it came about.
-pub struct Derivation<C> {
+/// The final word, or words, in chunks, and how it came about. [`collect`] reads it as a `W`.
+pub struct Derivation<C, W> {
     pub chunks: Vec<C>,
     pub steps: Vec<StepStats>,
     pub peak_bytes: u64,
+    /// Of the plan that it was derived by.
+    pub(super) tables: Arc<Tables>,
+    /// Words that were derived at once; 0 where it is one alone.
+    pub(super) words: usize,
+    of: PhantomData<fn() -> W>,
 }
 
-/// Runs the whole schedule on `backend`.
-pub fn derive<B: Backend>(
-    plan: &Plan,
-    axiom: &dyn Start,
-    uniforms: &[Value],
+/// What came of a start, read, and how it came about.
+pub type Derived<S, C> = (<S as Start>::Word, Derivation<C, <S as Start>::Word>);
+
+/// Runs the whole schedule of the backend's plan on `start`.
+///
+/// # Errors
+/// What [`Plan::settings`], [`Given::new`] and [`Start::modules`] say of the options and the start, and the backend.
+pub fn derive<S: Start, B: Backend>(
+    start: &S,
     options: &Options,
     backend: &mut B,
-) -> Result<Derivation<B::Chunk>, B::Error> {
-    let each = axiom.each(plan)?;
+) -> Result<Derivation<B::Chunk, S::Word>, B::Error> {
+    let plan = &*backend.plan().clone();
+    let values = plan.settings(&options.set, options.seed)?;
+    let each = start.each(plan, options)?;
     let schedule = match each.split_first() {
-        None => schedule::unroll(plan, uniforms)?,
-        Some(((first, _), others)) => {
-            schedule::of_all(plan, first, others.iter().map(|(u, _)| u.as_slice()))?
-        }
+        None => schedule::unroll(plan, &values.uniforms)?,
+        Some((first, others)) => schedule::of_all(plan, first, others)?,
     };
-    let words = |(uniforms, seed): &(Vec<Value>, u32)| {
-        uniforms.iter().flat_map(Value::words).chain([*seed]).collect::<Vec<u32>>()
+    let words = |values: &Settings| {
+        values.uniforms.iter().flat_map(Value::words).chain([values.seed]).collect::<Vec<u32>>()
     };
     let words = each.iter().flat_map(words).collect();
-    let given = Given::behind(words, &plan.system, axiom.roots(), &options.bind, options.view)?;
-    backend.bind(&given)?;
-    let (records, nets) = axiom.modules(plan, uniforms)?;
+    let given = Given::behind(words, &plan.system, start.roots(), &options.bind, options.view)?;
+    backend.bind(&values.uniforms, &given)?;
+    let (records, nets) = start.modules(plan, &values, &each)?;
     refuse_growth(plan, &records, &schedule, options)?;
     let layout = plan.tables.layout;
     let modules = (records.len() / layout.record_words) as u64;
     let mut run = Run {
         plan,
         options,
+        seed: values.seed,
         frontier: vec![],
         finished: vec![],
         steps: vec![],
@@ -186,10 +201,7 @@ pub fn derive<B: Backend>(
         most_steps: most_steps(&schedule, options),
         backend,
     };
-    if modules > 0 {
-        let chunk = run.backend.upload(records, nets)?;
-        run.frontier.push(chunk);
-    }
+    run.put(records, &nets, 0)?;
     for derive in schedule {
         if run.steps.len() as u64 >= run.most_steps {
             break;
@@ -197,7 +209,14 @@ pub fn derive<B: Backend>(
         run.derive(derive)?;
     }
     let chunks = run.frontier.into_iter().chain(run.finished.into_iter().map(|f| f.0)).collect();
-    Ok(Derivation { chunks, steps: run.steps, peak_bytes: run.peak_bytes })
+    Ok(Derivation {
+        chunks,
+        steps: run.steps,
+        peak_bytes: run.peak_bytes,
+        tables: plan.tables.clone(),
+        words: each.len(),
+        of: PhantomData,
+    })
 }
 
 fn most_steps(schedule: &[Derive], options: &Options) -> u64 {
@@ -238,6 +257,7 @@ fn refuse_growth(plan: &Plan, records: &[u32], schedule: &[Derive], options: &Op
 struct Run<'a, B: Backend> {
     plan: &'a Plan,
     options: &'a Options<'a>,
+    seed: u32,
     backend: &'a mut B,
     frontier: Vec<B::Chunk>,
     /// With the symbols that occur in it, bit s mod 32.
@@ -276,6 +296,33 @@ impl<B: Backend> Run<'_, B> {
         Ok(())
     }
 
+    /// Puts modules of the word after `step` on the frontier, in chunks that the backend can hold.
+    fn put(&mut self, records: Vec<u32>, nets: &[[f32; 4]], step: u32) -> Result<(), B::Error> {
+        let layout = self.plan.tables.layout;
+        let most = self.backend.most_modules().max(1);
+        let modules = records.len() / layout.record_words;
+        if modules == 0 {
+            return Ok(());
+        }
+        if modules <= most {
+            self.frontier.push(self.backend.upload(records, nets.to_vec())?);
+            return Ok(());
+        }
+        if layout.link.is_some() {
+            let halves = layout.word.and_then(|_| links::halves(&records, &layout));
+            let too_long = || Error::TooLong { modules: modules as u64, most: most as u64, step };
+            let [first, second] = halves.ok_or_else(too_long)?;
+            self.put(first, &[], step)?;
+            return self.put(second, &[], step);
+        }
+        let points = layout.net_points();
+        for (n, records) in records.chunks(most * layout.record_words).enumerate() {
+            let nets = &nets[(n * most * points).min(nets.len())..((n + 1) * most * points).min(nets.len())];
+            self.frontier.push(self.backend.upload(records.to_vec(), nets.to_vec())?);
+        }
+        Ok(())
+    }
+
     /// Finished chunks that hold a symbol which the rule set names go back to the frontier.
     fn recall(&mut self, rule_set: usize) {
         let Some(first) = self.plan.tables.rule_sets[rule_set].stages.first() else { return };
@@ -287,7 +334,7 @@ impl<B: Backend> Run<'_, B> {
 
     /// One step over all chunks; whether any rule fired.
     fn step(&mut self, rule_set: usize, step: u32) -> Result<bool, B::Error> {
-        let clock = Clock { step, run_step: self.steps.len() as u32, seed: self.options.seed };
+        let clock = Clock { step, run_step: self.steps.len() as u32, seed: self.seed };
         let mut fired = false;
         for stage in 0..self.plan.tables.rule_sets[rule_set].stages.len() {
             let id = StageId { rule_set, stage };
@@ -304,7 +351,7 @@ impl<B: Backend> Run<'_, B> {
         let layout = &self.plan.tables.layout;
         let start = turtle::start(self.plan, into);
         if self.words == 0 && self.modules == 0 {
-            self.frontier.push(self.backend.upload(start, Vec::new())?);
+            self.put(start, &[], self.steps.len() as u32 + 1)?;
             self.modules = 1;
         } else if self.words > 0 && turtle::may_be_empty(self.plan) {
             let chunks = std::mem::take(&mut self.frontier);
@@ -325,7 +372,7 @@ impl<B: Backend> Run<'_, B> {
                 let records = links::with_starts(&read[n], layout, &start, words..until);
                 words = until;
                 self.modules += (records.len() / layout.record_words) as u64;
-                self.frontier.push(self.backend.upload(records, Vec::new())?);
+                self.put(records, &[], self.steps.len() as u32 + 1)?;
             }
         }
         Ok(())

@@ -75,11 +75,11 @@ pub enum Error {
     Stopped { steps: u32 },
 }
 
-/// A system made ready for any backend.
+/// A system made ready for any backend. A clone shares the tables.
 #[derive(Clone, Debug)]
 pub struct Plan {
     pub system: Arc<System>,
-    pub tables: Tables,
+    pub tables: Arc<Tables>,
     /// The symbol of erased cells, where they are kept.
     pub hole: Option<usize>,
     /// The `place` that ends the run: what a tessellation of the word is displaced by. The word is the same
@@ -91,7 +91,7 @@ impl Plan {
     /// Builds the tables, or names what this version does not derive.
     pub fn new(system: &System) -> Result<Plan, Unsupported> {
         Ok(Plan {
-            tables: Tables::new(system)?,
+            tables: Arc::new(Tables::new(system)?),
             placement: Placement::new(system)?,
             system: Arc::new(system.clone()),
             hole: None,
@@ -118,7 +118,7 @@ impl Plan {
             ));
         }
         Ok(Plan {
-            tables: Tables::of_words(system)?,
+            tables: Arc::new(Tables::of_words(system)?),
             placement: None,
             system: Arc::new(system.clone()),
             hole: None,
@@ -143,14 +143,17 @@ impl Plan {
         uniforms(&self.system, set)
     }
 
-    /// What random numbers begin with: the param `seed`, if the system has one of type int, else 0.
-    pub fn seed(&self, set: &[(String, Value)]) -> u32 {
-        let values = self.uniforms(set).unwrap_or_default();
-        let named = self.system.uniforms.iter().zip(values).find(|(u, _)| u.name == "seed");
-        match named {
-            Some((_, Value::Int(seed))) => seed as u32,
-            _ => 0,
-        }
+    /// What a backend begins with. Where a const has no value with these, the derivation says so that binds them.
+    pub(crate) fn defaults(&self) -> Vec<Value> {
+        self.uniforms(&[]).unwrap_or_default()
+    }
+
+    /// What a derivation with these params runs with; without a seed of its own the one that the params say.
+    ///
+    /// # Errors
+    /// As [`Plan::uniforms`].
+    pub fn settings(&self, set: &[(String, Value)], seed: Option<u32>) -> Result<Settings, Error> {
+        Settings::new(&self.system, set, seed)
     }
 
     /// The environment buffer of a stage: the uniforms' words, what the host gives, the constants of
@@ -165,6 +168,28 @@ impl Plan {
         words.extend(stage.rule_words());
         words.resize(words.len().next_multiple_of(4), 0);
         words
+    }
+}
+
+/// What a derivation runs with, beside what is bound and seen.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Settings {
+    /// Of all uniforms: see [`Plan::uniforms`].
+    pub uniforms: Vec<Value>,
+    /// What random numbers begin with.
+    pub seed: u32,
+}
+
+impl Settings {
+    /// See [`Plan::settings`].
+    fn new(system: &System, set: &[(String, Value)], seed: Option<u32>) -> Result<Settings, Error> {
+        let uniforms = uniforms(system, set)?;
+        let named = system.uniforms.iter().zip(&uniforms).find(|(uniform, _)| uniform.name == "seed");
+        let seed = seed.unwrap_or(match named {
+            Some((_, Value::Int(seed))) => *seed as u32,
+            _ => 0,
+        });
+        Ok(Settings { uniforms, seed })
     }
 }
 

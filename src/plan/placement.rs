@@ -16,7 +16,7 @@
 
 use super::given::Given;
 use super::graph::{Constants, Graph, Names, NodeId, Subject};
-use super::{Error, Options, Plan, Unsupported, tables};
+use super::{Error, Options, Plan, Settings, Unsupported, tables};
 use crate::language::Span;
 use crate::language::expr::{Expr, ExprKind, Type, Value};
 use crate::language::ops;
@@ -149,8 +149,8 @@ pub struct Displacement {
     pub given: Given,
     system: Arc<System>,
     set: Vec<(String, Value)>,
-    uniforms: Vec<Value>,
-    seed: u32,
+    seed: Option<u32>,
+    settings: Settings,
 }
 
 impl Displacement {
@@ -165,7 +165,7 @@ impl Displacement {
             placement,
             given: Given::new(&plan.system, roots, &options.bind, options.view)?,
             system: plan.system.clone(),
-            uniforms: plan.uniforms(&options.set)?,
+            settings: plan.settings(&options.set, options.seed)?,
             set: options.set.clone(),
             seed: options.seed,
         }))
@@ -178,17 +178,17 @@ impl Displacement {
     pub fn set_params(&mut self, set: &[(String, Value)]) -> Result<(), Error> {
         let other = |(name, _): &&(String, Value)| !set.iter().any(|(new, _)| new == name);
         let all: Vec<_> = self.set.iter().filter(other).chain(set).cloned().collect();
-        self.uniforms = super::uniforms(&self.system, &all)?;
+        self.settings = Settings::new(&self.system, &all, self.seed)?;
         self.set = all;
         Ok(())
     }
 
     /// The environment of the expression, where the values of queries begin at this word of their buffer.
     pub fn environment(&self, given_base: u32) -> Vec<u32> {
-        let mut words: Vec<u32> = self.uniforms.iter().flat_map(Value::words).collect();
+        let mut words: Vec<u32> = self.settings.uniforms.iter().flat_map(Value::words).collect();
         words.resize(words.len().next_multiple_of(4), 0);
         words.extend(&self.given.environment);
-        words.extend([self.seed, given_base, self.given.words.len() as u32, 0]);
+        words.extend([self.settings.seed, given_base, self.given.words.len() as u32, 0]);
         words.extend(&self.placement.constants.words);
         words.resize(self.placement.environment_words(), 0);
         words

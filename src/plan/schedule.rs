@@ -1,7 +1,7 @@
 //! The `run:` block, its counts read: a flat list of derives.
 
 use super::tables::RulesOf;
-use super::{Error, Plan};
+use super::{Error, Plan, Settings};
 use crate::language::eval;
 use crate::language::expr::{Expr, Value};
 use crate::language::system::{Step, StepKind};
@@ -33,14 +33,10 @@ pub fn unroll(plan: &Plan, uniforms: &[Value]) -> Result<Vec<Derive>, Error> {
 ///
 /// # Errors
 /// Also where a word, counted from 0, has another one than the first.
-pub fn of_all<'a>(
-    plan: &Plan,
-    first: &[Value],
-    others: impl Iterator<Item = &'a [Value]>,
-) -> Result<Vec<Derive>, Error> {
-    let list = unroll(plan, first)?;
-    for (n, uniforms) in others.enumerate() {
-        if unroll(plan, uniforms)? != list {
+pub fn of_all(plan: &Plan, first: &Settings, others: &[Settings]) -> Result<Vec<Derive>, Error> {
+    let list = unroll(plan, &first.uniforms)?;
+    for (n, values) in others.iter().enumerate() {
+        if unroll(plan, &values.uniforms)? != list {
             let n = n + 1;
             return Err(Error::Value(format!(
                 "word {n} has another schedule than word 0: the params in the counts of `run:` must be the same"

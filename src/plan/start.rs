@@ -1,33 +1,40 @@
 //! What a derivation starts from: axioms as records and nets.
 
-use super::derive::Modules;
+use super::collect::Collected;
+use super::derive::{Modules, Options};
 use super::layout::{self, Layout, NONE};
-use super::{Error, Plan};
+use super::{Error, Plan, Settings};
 use crate::language::eval;
-use crate::language::expr::Value;
+use crate::language::expr::{Expr, Value};
 use crate::{curve, patch};
 
-/// What a derivation starts from.
+/// What a derivation starts from: the axiom of a patch system or of a curve, or several words at once. It also says what
+/// is read back, so that a word of one kind is never taken for one of another.
 pub trait Start {
-    /// Its modules as records and nets.
+    /// What [`collect`](super::derive::collect) makes of it.
+    type Word: Collected;
+
+    /// Its modules as records and nets; `each` is what [`Start::each`] says.
     ///
     /// # Errors
     /// Where they do not fit the plan, or an argument has no value.
-    fn modules(&self, plan: &Plan, uniforms: &[Value]) -> Result<Modules, Error>;
+    fn modules(&self, plan: &Plan, values: &Settings, each: &[Settings]) -> Result<Modules, Error>;
     /// Roots, each of which may be bound a value of its own.
     fn roots(&self) -> usize;
-    /// Of several words at once the uniforms of each; else none.
+    /// Of several words at once what each runs with; else none.
     ///
     /// # Errors
-    /// As [`Plan::uniforms`].
-    fn each(&self, _: &Plan) -> Result<Vec<(Vec<Value>, u32)>, Error> {
+    /// As [`Plan::settings`].
+    fn each(&self, _: &Plan, _: &Options) -> Result<Vec<Settings>, Error> {
         Ok(Vec::new())
     }
 }
 
 impl Start for patch::Axiom {
-    fn modules(&self, plan: &Plan, uniforms: &[Value]) -> Result<Modules, Error> {
-        plan.axiom(self, uniforms)
+    type Word = patch::Word;
+
+    fn modules(&self, plan: &Plan, values: &Settings, _: &[Settings]) -> Result<Modules, Error> {
+        plan.axiom(self, &values.uniforms)
     }
     fn roots(&self) -> usize {
         self.roots.len()
@@ -35,15 +42,17 @@ impl Start for patch::Axiom {
 }
 
 impl Start for curve::Words {
-    fn modules(&self, plan: &Plan, _: &[Value]) -> Result<Modules, Error> {
+    type Word = Vec<curve::Word>;
+
+    fn modules(&self, plan: &Plan, _: &Settings, each: &[Settings]) -> Result<Modules, Error> {
         let Layout { link: Some(link), word: Some(word), record_words, .. } = plan.tables.layout else {
             return Err(Error::Axiom("several words need a plan of words: Plan::of_words".to_string()));
         };
         let mut records: Vec<u32> = Vec::new();
-        for (n, (start, (uniforms, _))) in self.words.iter().zip(self.each(plan)?).enumerate() {
+        for (n, (start, values)) in self.words.iter().zip(each).enumerate() {
             let first = (records.len() / record_words) as u32;
             let at = records.len();
-            records.extend(plan.curve_axiom(&start.axiom, &uniforms)?);
+            records.extend(plan.curve_axiom(&start.axiom, &values.uniforms)?);
             for record in records[at..].chunks_exact_mut(record_words) {
                 record[word] = n as u32;
                 if record[link] & NONE != NONE {
@@ -56,17 +65,27 @@ impl Start for curve::Words {
     fn roots(&self) -> usize {
         self.words.iter().map(|start| start.axiom.len()).sum()
     }
-    fn each(&self, plan: &Plan) -> Result<Vec<(Vec<Value>, u32)>, Error> {
-        self.words.iter().map(|start| Ok((plan.uniforms(&start.set)?, start.seed))).collect()
+    fn each(&self, plan: &Plan, options: &Options) -> Result<Vec<Settings>, Error> {
+        let values = |start: &curve::Start| {
+            let seed = start.seed.or(options.seed);
+            match options.set.as_slice() {
+                [] => plan.settings(&start.set, seed),
+                // Of two values of a param the last holds.
+                shared => plan.settings(&[shared, &start.set].concat(), seed),
+            }
+        };
+        self.words.iter().map(values).collect()
     }
 }
 
 impl Start for curve::Axiom {
-    fn modules(&self, plan: &Plan, uniforms: &[Value]) -> Result<Modules, Error> {
+    type Word = curve::Word;
+
+    fn modules(&self, plan: &Plan, values: &Settings, _: &[Settings]) -> Result<Modules, Error> {
         if plan.tables.layout.word.is_some() {
             return Err(Error::Axiom("a plan of words takes several of them: curve::Words".to_string()));
         }
-        Ok((plan.curve_axiom(self, uniforms)?, Vec::new()))
+        Ok((plan.curve_axiom(self, &values.uniforms)?, Vec::new()))
     }
     fn roots(&self) -> usize {
         self.len()
@@ -102,18 +121,39 @@ impl Plan {
             let mut record = vec![0u32; layout.record_words];
             layout::Header { symbol: start.symbol as u16, root: root as u32, ..Default::default() }
                 .write(&mut record);
-            let symbol = &self.tables.symbols[start.symbol];
-            for (arg, &at) in start.args.iter().zip(&symbol.words) {
-                let value = eval::eval(arg, uniforms)
-                    .map_err(|e| Error::Value(format!("axiom, argument of {}: {e}", symbol.name)))?;
-                for (n, word) in value.words().into_iter().enumerate() {
-                    record[at + n] = word;
-                }
-            }
+            self.write_root(start.symbol, &start.args, uniforms, &mut record)?;
             records.extend(record);
             nets.extend(&start.net.points);
         }
         Ok((records, nets))
+    }
+
+    /// Writes the parameters of a module of the axiom, which may be one of another system.
+    fn write_root(
+        &self,
+        symbol: usize,
+        args: &[Expr],
+        uniforms: &[Value],
+        record: &mut [u32],
+    ) -> Result<(), Error> {
+        let other = || {
+            let name = &self.system.name;
+            Error::Axiom(format!("the axiom is of another system: its modules are none of {name}"))
+        };
+        let symbol = self.tables.symbols.get(symbol).ok_or_else(other)?;
+        if symbol.hidden || args.len() != symbol.fields.len() {
+            return Err(other());
+        }
+        for ((arg, field), &at) in args.iter().zip(&symbol.fields).zip(&symbol.words) {
+            let value = eval::eval(arg, uniforms)
+                .map_err(|e| Error::Value(format!("axiom, argument of {}: {e}", symbol.name)))?;
+            if value.ty() != field.ty {
+                return Err(other());
+            }
+            let words = value.words();
+            record[at..at + words.len()].copy_from_slice(&words);
+        }
+        Ok(())
     }
 
     /// The word of a curve's axiom as records.
@@ -155,13 +195,7 @@ impl Plan {
                     let lateral = if root.hang.lateral { layout::LATERAL } else { 0 };
                     record[word] = on.map_or(axis, |on| first + on as u32) | lateral;
                 }
-                let symbol = &self.tables.symbols[root.symbol];
-                for (arg, &at) in root.args.iter().zip(&symbol.words) {
-                    let value = eval::eval(arg, uniforms)
-                        .map_err(|e| Error::Value(format!("axiom, argument of {}: {e}", symbol.name)))?;
-                    let words = value.words();
-                    record[at..at + words.len()].copy_from_slice(&words);
-                }
+                self.write_root(root.symbol, &root.args, uniforms, &mut record)?;
                 records.extend(record);
             }
             axis = part.exit.map_or(axis, |exit| first + exit as u32);

@@ -216,7 +216,7 @@ fn zero(ty: &Type, span: Span) -> Expr {
 /// The record of the point at which the turtle starts: the word that is traced of no modules, or of a ring in which
 /// nothing moves.
 pub fn start(plan: &Plan, into: usize) -> Vec<u32> {
-    let Tables { layout, symbols, .. } = &plan.tables;
+    let Tables { layout, symbols, .. } = &*plan.tables;
     let mut record = vec![0; layout.record_words];
     record[0] = into as u32;
     // In a ring it hangs on itself.

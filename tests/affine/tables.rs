@@ -58,7 +58,7 @@ fn cases(turn: u32) -> Vec<Case> {
         let table = Stencils::new(&plan, &axiom, &options).unwrap_or_else(|e| panic!("{}: {e}", system.name));
         let control = moved(&mut axiom, turn);
         assert_eq!(Stencils::control(&plan, &axiom, &options).expect("points"), control);
-        let (word, _) = cpu::derive_curve(&plan, &axiom, &options, 1).expect("a word");
+        let (word, _) = cpu::derive(&plan, &axiom, &options, 1).expect("a word");
         Case { name: system.name.clone(), table, control, derived: word.points() }
     };
     systems().into_iter().map(case).collect()
@@ -122,7 +122,7 @@ fn what_has_no_table_is_refused() {
     assert!(of(&many, 4).contains("more than 2097152 modules"));
     assert!(of(CHAIKIN, 0).contains("no points"));
     let mut linked = Plan::new(&system(CHAIKIN, "")).expect("a plan");
-    linked.tables.layout.link = Some(1);
+    std::sync::Arc::make_mut(&mut linked.tables).layout.link = Some(1);
     let error = Stencils::of_length(&linked, 4, &Options::default()).expect_err("an error").to_string();
     assert!(error.contains("words with branches"), "{error}");
     let sum = "system s : curve open\nmodule P(v: vec2)\naxiom: [(0,0), (1,0)]\nrules:\n  \

@@ -9,7 +9,7 @@ use burgeon::cpu::Cpu;
 use burgeon::curve::{Axiom, Word};
 use burgeon::language::system::Topology;
 use burgeon::language::{Value, Vocabulary, compile};
-use burgeon::plan::derive::{Backend, collect_curve, derive};
+use burgeon::plan::derive::{Backend, collect, derive};
 use burgeon::plan::{Options, Plan};
 use std::fmt::Debug;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -40,7 +40,7 @@ fn prepare(job: &Job) -> Prepared {
     let own = |name: &str| plan.system.uniforms.iter().any(|u| u.name == name);
     let set = job.set.iter().filter(|(name, _)| own(name));
     let set: Vec<_> = set.map(|(name, value)| (name.clone(), of_param(value))).collect();
-    let seed = job.seed.unwrap_or_else(|| plan.seed(&set));
+    let seed = job.seed;
     let steps = job.steps.map_or(u32::MAX, |steps| steps as u32);
     Prepared { plan, axiom, options: Options { set, seed, ..Options::default() }, steps }
 }
@@ -88,12 +88,11 @@ impl Prepared {
     where
         B::Error: Debug,
     {
-        let uniforms = self.plan.uniforms(&self.options.set).expect("params");
         let mut words = Vec::new();
         for steps in 0..=self.steps {
             let options = Options { steps: Some(steps), chunk_modules: chunk, ..self.options.clone() };
-            let derived = derive(&self.plan, &self.axiom, &uniforms, &options, backend).expect("a word");
-            let word = collect_curve(&self.plan, backend, &derived).expect("a word");
+            let derived = derive(&self.axiom, &options, backend).expect("a word");
+            let word = collect(backend, &derived).expect("a word");
             if word.steps < steps {
                 break;
             }
@@ -103,14 +102,12 @@ impl Prepared {
     }
 
     fn on_cpu(&self, chunk: Option<usize>) -> Vec<Seen> {
-        let uniforms = self.plan.uniforms(&self.options.set).expect("params");
-        self.words(&mut Cpu::new(&self.plan, &uniforms, 2).expect("threads"), chunk)
+        self.words(&mut Cpu::new(&self.plan, 2).expect("threads"), chunk)
     }
 
     #[cfg(feature = "gpu")]
     fn on_gpu(&self, engine: &burgeon::gpu::Engine) -> Vec<Seen> {
-        let uniforms = self.plan.uniforms(&self.options.set).expect("params");
-        let mut gpu = burgeon::gpu::Gpu::new(engine, &self.plan, &uniforms).expect("kernels");
+        let mut gpu = burgeon::gpu::Gpu::new(engine, &self.plan).expect("kernels");
         self.words(&mut gpu, None)
     }
 }

@@ -47,7 +47,7 @@ impl Example<'_> {
         });
         let set = self.set.iter().map(|(name, value)| (name.to_string(), value.clone())).collect();
         let options = Options { set, steps: self.steps, ..Options::default() };
-        cpu::derive_curve(&plan, &axiom.expect("an axiom"), &options, 2).expect("a word").0
+        cpu::derive(&plan, &axiom.expect("an axiom"), &options, 2).expect("a word").0
     }
     #[track_caller]
     fn points(&self) -> Vec<[f64; 2]> {

@@ -6,7 +6,7 @@ use crate::small::Small;
 use burgeon::cpu::{self, Cpu};
 use burgeon::curve::{Axiom, Start, Word, Words};
 use burgeon::language::{System, Value};
-use burgeon::plan::derive::{Backend, collect_words, derive};
+use burgeon::plan::derive::{Backend, collect, derive};
 use burgeon::plan::{Error, Options, Plan};
 
 /// A ring whose rule has a param, an open word that draws and looks at its ends, a tree with ignored symbols, words
@@ -45,23 +45,22 @@ fn start(system: &System, n: usize) -> Start {
     } else {
         n as f32 / 64.0
     };
-    Start { axiom: axiom.into(), set: vec![("w".to_string(), Value::Float(w))], seed: 1000 + n as u32 }
+    Start { axiom: axiom.into(), set: vec![("w".to_string(), Value::Float(w))], seed: Some(1000 + n as u32) }
 }
 
-fn words<B: Backend>(plan: &Plan, words: &Words, backend: &mut B) -> Result<Vec<Word>, B::Error> {
-    in_chunks(plan, words, None, backend)
+fn words<B: Backend>(words: &Words, backend: &mut B) -> Result<Vec<Word>, B::Error> {
+    in_chunks(words, None, backend)
 }
 
 /// As many words a chunk as do not pass so many modules.
 fn in_chunks<B: Backend>(
-    plan: &Plan,
     words: &Words,
     chunk_modules: Option<usize>,
     backend: &mut B,
 ) -> Result<Vec<Word>, B::Error> {
     let options = Options { chunk_modules, ..Options::default() };
-    let derivation = derive(plan, words, &[], &options, backend)?;
-    collect_words(plan, backend, &derivation, words.words.len())
+    let derivation = derive(words, &options, backend)?;
+    collect(backend, &derivation)
 }
 
 /// Where a device derives other words than the CPU.
@@ -71,9 +70,9 @@ pub fn difference(engine: &burgeon::gpu::Engine) -> Option<String> {
         let system = System::parse(text).unwrap_or_else(|e| panic!("{e}"));
         let plan = Plan::of_words(&system).expect("a plan");
         let starts = Words { words: (0..9).map(|n| start(&system, n)).collect() };
-        let expected = words(&plan, &starts, &mut Cpu::new(&plan, &[], 1).expect("threads")).expect("words");
-        let mut gpu = burgeon::gpu::Gpu::new(engine, &plan, &[]).expect("kernels");
-        match words(&plan, &starts, &mut gpu) {
+        let expected = words(&starts, &mut Cpu::new(&plan, 1).expect("threads")).expect("words");
+        let mut gpu = burgeon::gpu::Gpu::new(engine, &plan).expect("kernels");
+        match words(&starts, &mut gpu) {
             Ok(found) if found == expected => {}
             Ok(_) => return Some(format!("{} differs", system.name)),
             Err(e) => return Some(e.to_string()),
@@ -91,33 +90,32 @@ fn each_of_several_words_is_what_it_is_alone() {
         let starts = Words { words: (0..40).map(|n| start(&system, n)).collect() };
         let one = |start: &Start| {
             let options = Options { set: start.set.clone(), seed: start.seed, ..Options::default() };
-            cpu::derive_curve(&alone, &start.axiom, &options, 1).expect("a word").0
+            cpu::derive(&alone, &*start.axiom, &options, 1).expect("a word").0
         };
         let expected: Vec<Word> = starts.words.iter().map(one).collect();
         assert!(expected.iter().any(|word| word.modules.len() > 30), "{}", system.name);
         let of_points = |word: &&Word| word.modules.len() <= 8 && !word.points().is_empty();
         let empty = system.name == "vanishing" || system.name == "still";
         assert!(!empty || expected.iter().filter(of_points).count() > 2, "{}", system.name);
-        let found =
-            words(&together, &starts, &mut Cpu::new(&together, &[], 2).expect("threads")).expect("words");
+        let found = words(&starts, &mut Cpu::new(&together, 2).expect("threads")).expect("words");
         assert!(found == expected, "{}", system.name);
         // However the words are cut apart, and where they outgrow what one chunk holds.
         for chunk in [1, 7, 64] {
-            let mut cpu = Cpu::new(&together, &[], 2).expect("threads");
-            let found = in_chunks(&together, &starts, Some(chunk), &mut cpu).expect("words");
+            let mut cpu = Cpu::new(&together, 2).expect("threads");
+            let found = in_chunks(&starts, Some(chunk), &mut cpu).expect("words");
             assert!(found == expected, "{}, chunks of {chunk}", system.name);
         }
         let longest = expected.iter().map(|word| word.modules.len()).max().unwrap_or(0);
-        let inner = Cpu::new(&together, &[], 2).expect("threads");
+        let inner = Cpu::new(&together, 2).expect("threads");
         let mut small = Small { inner, most: longest.max(400) };
-        let found = words(&together, &starts, &mut small).expect("words");
+        let found = words(&starts, &mut small).expect("words");
         assert!(found == expected, "{}, in small chunks", system.name);
         #[cfg(feature = "gpu")]
         for (name, engine) in device::engines() {
-            let mut gpu = burgeon::gpu::Gpu::new(&engine, &together, &[]).expect("kernels");
-            let found = words(&together, &starts, &mut gpu).expect("words");
+            let mut gpu = burgeon::gpu::Gpu::new(&engine, &together).expect("kernels");
+            let found = words(&starts, &mut gpu).expect("words");
             assert!(found == expected, "{}, {name}", system.name);
-            let found = in_chunks(&together, &starts, Some(64), &mut gpu).expect("words");
+            let found = in_chunks(&starts, Some(64), &mut gpu).expect("words");
             assert!(found == expected, "{}, {name}, chunks of 64", system.name);
         }
     }
@@ -128,23 +126,22 @@ fn what_is_wrong_with_several_words_is_said() {
     let text = SYSTEMS[0].replace("derive 4", "derive int(w * 8)");
     let system = System::parse(&text).unwrap_or_else(|e| panic!("{e}"));
     let together = Plan::of_words(&system).expect("a plan");
-    let mut cpu = Cpu::new(&together, &[], 1).expect("threads");
+    let mut cpu = Cpu::new(&together, 1).expect("threads");
     let starts = Words { words: vec![start(&system, 16), start(&system, 32)] };
     let wrong = |e: Error| e.to_string();
-    let said = words(&together, &starts, &mut cpu).map_err(wrong).expect_err("two schedules");
+    let said = words(&starts, &mut cpu).map_err(wrong).expect_err("two schedules");
     assert_eq!(
         said,
         "word 1 has another schedule than word 0: the params in the counts of `run:` must be the same"
     );
-    let alone =
-        derive(&together, &*start(&system, 1).axiom, &[Value::Float(0.5)], &Options::default(), &mut cpu);
+    let alone = derive(&*start(&system, 1).axiom, &Options::default(), &mut cpu);
     assert_eq!(
         alone.err().map(wrong).as_deref(),
         Some("a plan of words takes several of them: curve::Words")
     );
     let plain = Plan::new(&system).expect("a plan");
     let starts = Words { words: vec![start(&system, 16)] };
-    let said = words(&plain, &starts, &mut Cpu::new(&plain, &[], 1).expect("threads")).map_err(wrong);
+    let said = words(&starts, &mut Cpu::new(&plain, 1).expect("threads")).map_err(wrong);
     assert_eq!(said.expect_err("a plan of one"), "several words need a plan of words: Plan::of_words");
     let chance = SYSTEMS[1].replace("derive 6", "derive until terminal max 6");
     let system = System::parse(&chance).unwrap_or_else(|e| panic!("{e}"));

@@ -374,7 +374,8 @@ fn random_numbers_are_those_of_the_point() {
         let (nets, _) = reoriented(&[flat()], choice);
         for seed in [0, 77] {
             let mut t = Tessellator::new(&nets, &Options::default()).expect("a set");
-            t.displace(&plan, &plan::Options { seed, ..Default::default() }).expect("a placement");
+            t.displace(&plan, &plan::Options { seed: Some(seed), ..Default::default() })
+                .expect("a placement");
             t.run(&level.target().expect("a level"));
             let plain = super::tessellated(&nets, &level, &Options::default());
             let (moved, mesh) = (t.mesh(), plain.mesh());
@@ -619,7 +620,7 @@ mod on_devices {
         assert!(gpu.set_params(&one("a", 1.0)).is_err());
         gpu.set_params(&[]).expect("nothing is set");
         for t in [true, false] {
-            let options = plan::Options { seed: u32::from(t), ..Default::default() };
+            let options = plan::Options { seed: Some(u32::from(t)), ..Default::default() };
             cpu.displace(&plan, &options).expect("a placement");
             gpu.displace(&plan, &options).expect("a placement");
             for (name, value) in [("a", 0.5), ("b", 0.3), ("a", 0.0)] {

@@ -108,8 +108,9 @@ pub fn linked_plan(ring: bool) -> burgeon::plan::Plan {
     let text = format!("system s : curve {topology}\nmodule P(v: vec3)\naxiom: F\nrun:\n  trace into P\n");
     let system = burgeon::language::System::parse(&text).expect("a system");
     let mut plan = burgeon::plan::Plan::new(&system).expect("a plan");
-    plan.tables.layout = layout(true);
-    plan.tables.turtle = super::accuracy::plan(ring, &plan.tables.layout);
+    let tables = std::sync::Arc::make_mut(&mut plan.tables);
+    tables.layout = layout(true);
+    tables.turtle = super::accuracy::plan(ring, &tables.layout);
     plan
 }
 
@@ -119,7 +120,7 @@ pub fn difference(engine: &burgeon::gpu::Engine) -> Option<String> {
     use burgeon::plan::derive::StageId;
     for word in words() {
         let plan = linked_plan(word.ring);
-        let rows = burgeon::gpu::Gpu::new(engine, &plan, &[])
+        let rows = burgeon::gpu::Gpu::new(engine, &plan)
             .and_then(|mut gpu| gpu.turtle_rows(StageId { rule_set: 0, stage: 0 }, word.records()));
         match rows {
             Err(e) => return Some(e.to_string()),

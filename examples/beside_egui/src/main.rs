@@ -44,6 +44,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let engine = Engine::new(&device, &queue);
     let (level, room) = (Level::pixels(pixels, camera), Capacity::for_vertices(5_000));
     let mut teapot = Tessellator::new(&engine, &nets, &level, &Options::default(), &room)?;
+    teapot.warm_up()?; // else the driver may compile in the first frame
     let surface = host::Surface::new(&device, SHADER, &teapot.vertex_layout().buffers());
     surface.look(&queue, &camera.clip);
 

@@ -59,12 +59,10 @@ pub(super) fn derived_case<'a, B: Backend + 'a>(
     let points = control();
     let axiom = Axiom::load::<String>(&plan.system, &mut |_| Ok(vec![points.clone()]));
     let axiom = axiom.map_err(|e| Failure::File(format!("error: {e}")))?;
-    let uniforms = plan.uniforms(&[]).map_err(of_plan)?;
     let items = (CONTROL as u64) << STEPS;
     let run = move || {
         let start = Instant::now();
-        let done =
-            derive::derive(plan, &axiom, &uniforms, &Options::default(), &mut backend).map_err(fail)?;
+        let done = derive::derive(&axiom, &Options::default(), &mut backend).map_err(fail)?;
         backend.finish().map_err(fail)?;
         let time = start.elapsed();
         done.chunks.into_iter().for_each(|c| backend.recycle(c));
@@ -89,7 +87,7 @@ pub(super) fn cpu_cases<'a>(plans: &'a Plans, cases: &mut Vec<Case<'a>>) -> Resu
     let case = stencil_case(&table, ("cpu", threads));
     let run = move || infallible(|| cpu::stencil::stencil(&table, &control, &mut curve));
     cases.push(Case { run: Box::new(run), ..case });
-    let backend = cpu::Cpu::new(plan, &[], threads).map_err(of_plan)?;
+    let backend = cpu::Cpu::new(plan, threads).map_err(of_plan)?;
     cases.push(derived_case(plan, backend, ("cpu", threads), of_plan)?);
     Ok(())
 }

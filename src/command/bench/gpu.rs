@@ -216,9 +216,8 @@ fn other_mappings(engine: &Engine) -> Vec<(Engine, &'static str)> {
     others.map(|(mapping, what)| (with(mapping), what)).collect()
 }
 
-fn backend<'a>(engine: &Engine, plan: &'a Plan) -> Result<Gpu<'a>, Failure> {
-    let uniforms = plan.uniforms(&[]).map_err(crate::command::run::of_plan)?;
-    let mut gpu = Gpu::new(engine, plan, &uniforms).map_err(of_gpu)?;
+fn backend(engine: &Engine, plan: &Plan) -> Result<Gpu, Failure> {
+    let mut gpu = Gpu::new(engine, plan).map_err(of_gpu)?;
     gpu.compile().map_err(of_gpu)?;
     Ok(gpu)
 }

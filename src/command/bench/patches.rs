@@ -42,14 +42,13 @@ pub(super) fn frontier_case<'a, B: Backend + 'a>(
         let span = root.args[0].span;
         root.args[0] = Expr::literal(Value::Int(FRONTIER_STEPS as i32), span);
     }
-    let uniforms = plan.uniforms(&[]).map_err(crate::command::run::of_plan)?;
     // The first step is the one that sees all nets; the others are timed.
     let first = Options { steps: Some(1), max_bytes: u64::MAX, ..Options::default() };
     let whole = Options { steps: None, ..first.clone() };
     let run = move || {
         let mut time = |options: &Options| {
             let start = Instant::now();
-            let derived = derive::derive(plan, &roots, &uniforms, options, &mut backend).map_err(fail)?;
+            let derived = derive::derive(&roots, options, &mut backend).map_err(fail)?;
             backend.finish().map_err(fail)?;
             let time = start.elapsed();
             derived.chunks.into_iter().for_each(|c| backend.recycle(c));
@@ -112,8 +111,7 @@ pub(super) fn step_case<'a, B: Backend + 'a>(
 pub(super) fn step_cases<'a>(plans: &'a Plans, cases: &mut Vec<Case<'a>>) -> Result<(), Failure> {
     let threads = threads();
     for (plan, what) in plans.steps() {
-        let uniforms = plan.uniforms(&[]).map_err(crate::command::run::of_plan)?;
-        let backend = cpu::Cpu::new(plan, &uniforms, threads).map_err(crate::command::run::of_plan)?;
+        let backend = cpu::Cpu::new(plan, threads).map_err(crate::command::run::of_plan)?;
         cases.push(step_case(plan, backend, ("cpu", threads, what), crate::command::run::of_plan)?);
     }
     Ok(())
@@ -131,7 +129,6 @@ pub(super) fn derive_case<'a, B: Backend + 'a>(
 ) -> Result<Case<'a>, Failure> {
     let pieces: Vec<patch::Axiom> =
         roots.chunks(roots.len().div_ceil(parts).max(1)).map(|nets| axiom(plan, nets)).collect();
-    let uniforms = plan.uniforms(&[]).map_err(crate::command::run::of_plan)?;
     let modules: u64 = roots.len() as u64 * 4u64.pow(levels);
     let module = plan.tables.layout.module_bytes();
     // Every level is read once and written once, but for the first and the last.
@@ -141,7 +138,7 @@ pub(super) fn derive_case<'a, B: Backend + 'a>(
         let start = Instant::now();
         let mut all = Vec::new();
         for piece in &pieces {
-            all.push(derive::derive(plan, piece, &uniforms, &options, &mut backend).map_err(fail)?);
+            all.push(derive::derive(piece, &options, &mut backend).map_err(fail)?);
         }
         backend.finish().map_err(fail)?;
         let time = start.elapsed();
@@ -170,10 +167,8 @@ pub(super) fn last_step_case<'a, B: Backend + 'a>(
     label: (&'static str, usize),
     fail: impl Fn(B::Error) -> Failure + Copy + 'a,
 ) -> Result<Case<'a>, Failure> {
-    let uniforms = plan.uniforms(&[]).map_err(crate::command::run::of_plan)?;
     let options = Options { steps: Some(levels - 1), max_bytes: u64::MAX, ..Options::default() };
-    let before =
-        derive::derive(plan, &axiom(plan, roots), &uniforms, &options, &mut backend).map_err(fail)?;
+    let before = derive::derive(&axiom(plan, roots), &options, &mut backend).map_err(fail)?;
     let before_last = roots.len() as u64 * 4u64.pow(levels - 1);
     let run = move || {
         let start = Instant::now();
@@ -210,15 +205,14 @@ pub(super) fn derive_cases<'a>(
 ) -> Result<(), Failure> {
     let threads = threads();
     let plan = &plans.levels;
-    let uniforms = plan.uniforms(&[]).map_err(crate::command::run::of_plan)?;
-    let backend = || cpu::Cpu::new(plan, &uniforms, threads).map_err(crate::command::run::of_plan);
+    let backend = || cpu::Cpu::new(plan, threads).map_err(crate::command::run::of_plan);
     let fail = crate::command::run::of_plan;
     cases.push(derive_case(plan, backend()?, roots, levels, 1, ("cpu", threads), fail)?);
     cases.push(derive_case(plan, backend()?, roots, levels, 2, ("cpu", threads), fail)?);
     cases.push(last_step_case(plan, backend()?, roots, levels, ("cpu", threads), fail)?);
     let plan = &plans.frontier;
     for frontier in FRONTIERS {
-        let backend = cpu::Cpu::new(plan, &[], threads).map_err(fail)?;
+        let backend = cpu::Cpu::new(plan, threads).map_err(fail)?;
         cases.push(frontier_case(plan, backend, frontier, ("cpu", threads), fail)?);
     }
     Ok(())

@@ -56,7 +56,7 @@ fn derive_case<'a, B: Backend + 'a>(
     let before_last = (ROOTS as u64) << (STEPS - 1);
     let run = move || {
         let start = Instant::now();
-        let derived = derive::derive(plan, &axiom, &[], &options, &mut backend).map_err(fail)?;
+        let derived = derive::derive(&axiom, &options, &mut backend).map_err(fail)?;
         backend.finish().map_err(fail)?;
         let time = start.elapsed();
         derived.chunks.into_iter().for_each(|c| backend.recycle(c));
@@ -78,7 +78,7 @@ fn derive_case<'a, B: Backend + 'a>(
 /// A sweep: as many words as values of the param, two steps of each.
 fn starts(plan: &Plan) -> Result<Words, Failure> {
     let value = |n: usize| Value::Float(n as f32 / (2 * WORDS) as f32);
-    Ok(Words::sweep(&axiom(plan, WORD_LENGTH)?, "w", (0..WORDS).map(value), 0))
+    Ok(Words::sweep(&axiom(plan, WORD_LENGTH)?, "w", (0..WORDS).map(value)))
 }
 
 fn words_case<'a>(
@@ -111,7 +111,7 @@ fn at_once<'a, B: Backend + 'a>(
     let starts = starts(plan)?;
     let run = move || {
         let start = Instant::now();
-        let derived = derive::derive(plan, &starts, &[], &Options::default(), &mut backend).map_err(fail)?;
+        let derived = derive::derive(&starts, &Options::default(), &mut backend).map_err(fail)?;
         backend.finish().map_err(fail)?;
         let time = start.elapsed();
         derived.chunks.into_iter().for_each(|c| backend.recycle(c));
@@ -126,10 +126,10 @@ fn one_by_one(plan: &Plan) -> Result<Case<'_>, Failure> {
     let run = move || {
         let start = Instant::now();
         for word in &starts.words {
-            let uniforms = plan.uniforms(&word.set).map_err(of_plan)?;
+            let options = Options { set: word.set.clone(), ..Options::default() };
             // A pool of threads for each word would take longer than the word.
-            let mut cpu = Cpu::new(plan, &uniforms, 1).map_err(of_plan)?;
-            derive::derive(plan, &*word.axiom, &uniforms, &Options::default(), &mut cpu).map_err(of_plan)?;
+            let mut cpu = Cpu::new(plan, 1).map_err(of_plan)?;
+            derive::derive(&*word.axiom, &options, &mut cpu).map_err(of_plan)?;
         }
         Ok(start.elapsed())
     };
@@ -205,7 +205,7 @@ pub(super) fn cases<'a, B: Backend + 'a>(
             let mut backend = backend(chaikin)?;
             let (from, options) =
                 (axiom(chaikin, points)?, Options { steps: Some(steps), ..Options::default() });
-            let before = derive::derive(chaikin, &from, &[], &options, &mut backend).map_err(fail)?;
+            let before = derive::derive(&from, &options, &mut backend).map_err(fail)?;
             let what = ("curve/step", what);
             cases.push(step_case(chaikin, backend, before.chunks, what, (name, threads), fail)?);
             Ok::<_, Failure>(())
@@ -233,7 +233,7 @@ pub(super) fn cpu_cases<'a>(
     wanted: &dyn Fn(&str) -> bool,
     list: &mut Vec<Case<'a>>,
 ) -> Result<(), Failure> {
-    let backend = |plan: &'a Plan| Cpu::new(plan, &[], threads()).map_err(of_plan);
+    let backend = |plan: &'a Plan| Cpu::new(plan, threads()).map_err(of_plan);
     if wanted("curve/words") {
         list.push(one_by_one(&plans.word)?);
     }

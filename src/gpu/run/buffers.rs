@@ -1,5 +1,6 @@
 //! The buffers of a run, and what its kernels are bound to.
 
+use super::super::buffers as making;
 use super::super::kernels::{Binding, Kernel, SharedKernels, StageKernels};
 use super::super::{Engine, Error};
 use crate::plan::Plan;
@@ -67,17 +68,7 @@ impl Buffers {
         before: Option<&Buffers>,
     ) -> Result<Buffers, Error> {
         let layout = plan.tables.layout;
-        let most = engine.device.limits().max_storage_buffer_binding_size;
-        let make = |label: &'static str, bytes: u64, usage: BufferUsages| {
-            let size = bytes.max(16).next_multiple_of(16);
-            if usage.contains(BufferUsages::STORAGE) && size > most {
-                return Err(Error::Binding { buffer: label, needed: size, most });
-            }
-            let usage = usage | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-            let label = Some(label);
-            let descriptor = wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false };
-            Ok(engine.device.create_buffer(&descriptor))
-        };
+        let make = |label: &'static str, bytes: u64, usage| making::make(engine, label, bytes, usage);
         let storage = BufferUsages::STORAGE;
         let n = u64::from(room.modules);
         let slots = room.turns as u64 + 1;

@@ -13,6 +13,7 @@
 //!
 //! let engine = Engine::new(device, queue);
 //! let mut run = Run::new(&engine, plan, axiom, &Options::default(), 100_000)?; // room for so many modules
+//! run.warm_up()?; // else the driver may compile in the first frames
 //!
 //! // Each frame:
 //! run.set(&[("bend".to_string(), Value::Float(0.3))])?;
@@ -34,9 +35,9 @@
 mod buffers;
 
 use super::buffers as reading;
-use super::kernels::{Bound, Kernel, SharedKernels, StageKernels};
+use super::kernels::{self, Bound, Kernel, SharedKernels, StageKernels};
 use super::report::Report;
-use super::{Engine, Error};
+use super::{Engine, Error, warm};
 use crate::codegen;
 use crate::language::expr::Value;
 use crate::patch::{self, Values};
@@ -46,11 +47,11 @@ use crate::plan::given::Given;
 use crate::plan::step::{Clock, Extent};
 use crate::plan::tables::rule_word;
 use crate::plan::turns::{self, Progress, Turn, TurnWords};
-use crate::plan::{Plan, View, schedule};
+use crate::plan::{Plan, Settings, View, schedule};
 use buffers::{Buffers, DISPATCH_BYTES, Groups, Room, SLOT, next};
 use std::collections::HashMap;
 
-/// With what a run begins. All but the seed may change from frame to frame.
+/// With what a run begins. All but a seed of its own may change from frame to frame.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
     /// Params by name.
@@ -59,8 +60,8 @@ pub struct Options {
     pub bind: Vec<(String, Values)>,
     /// What `bbox_px` and `area_px` are seen through.
     pub view: Option<View>,
-    /// What random numbers begin with.
-    pub seed: u32,
+    /// What random numbers begin with; none: the param `seed` of the system, if it has one of type int, else 0.
+    pub seed: Option<u32>,
 }
 
 /// A plan and an axiom on a device, to be derived again and again.
@@ -69,7 +70,7 @@ pub struct Run {
     plan: Plan,
     axiom: patch::Axiom,
     options: Options,
-    uniforms: Vec<Value>,
+    settings: Settings,
     given: Given,
     turns: Vec<Turn>,
     room: Room,
@@ -109,14 +110,15 @@ impl Run {
         points: Option<&wgpu::Buffer>,
     ) -> Result<Run, Error> {
         let asked = Asked::of(plan, axiom, options)?;
-        let (records, nets) = plan.axiom(axiom, &asked.uniforms)?;
+        let (records, nets) = plan.axiom(axiom, &asked.settings.uniforms)?;
+        kernels::fits(engine, plan)?;
         engine.checked("preparing a derivation", || {
             let layout = plan.tables.layout;
             let mut stages = HashMap::new();
             for (rule_set, set) in plan.tables.rule_sets.iter().enumerate() {
                 for stage in 0..set.stages.len() {
                     let id = StageId { rule_set, stage };
-                    let words = environment(plan, id, &asked.uniforms, &asked.given);
+                    let words = environment(plan, id, &asked.settings.uniforms, &asked.given);
                     stages.insert(id, StageKernels::new(engine, plan, id, &words)?);
                 }
             }
@@ -126,14 +128,14 @@ impl Run {
             let bound = [Slot, Read, Written, Written, Written, Written];
             let proceed = Kernel::with_bindings(engine, &shader, &bound, &["start", "proceed"]);
             let made = |label, bytes: &[u8]| {
-                let buffer = reading::storage(engine, label, (bytes.len() as u64).max(16));
+                let buffer = reading::storage(engine, label, bytes.len() as u64)?;
                 engine.queue.write_buffer(&buffer, 0, bytes);
-                buffer
+                Ok::<_, Error>(buffer)
             };
-            let records = made("burgeon axiom", bytemuck::cast_slice(&records));
+            let records = made("burgeon axiom", bytemuck::cast_slice(&records))?;
             let nets = match points {
                 Some(points) => points.clone(),
-                None => made("burgeon control points", bytemuck::cast_slice(&nets)),
+                None => made("burgeon control points", bytemuck::cast_slice(&nets))?,
             };
             let room = Room {
                 modules: modules.max(axiom.roots.len() as u32),
@@ -147,7 +149,7 @@ impl Run {
                 plan: plan.clone(),
                 axiom: axiom.clone(),
                 options: options.clone(),
-                uniforms: asked.uniforms,
+                settings: asked.settings,
                 given: asked.given,
                 turns: asked.turns,
                 room,
@@ -201,9 +203,9 @@ impl Run {
     fn take(&mut self, options: Options) -> Result<(), Error> {
         let asked = Asked::of(&self.plan, &self.axiom, &options)?;
         let engine = self.engine.clone();
-        let changed = self.uniforms != asked.uniforms;
+        let changed = self.settings.uniforms != asked.settings.uniforms;
         let records = match changed && self.axiom.roots.iter().any(|root| !root.args.is_empty()) {
-            true => Some(self.plan.axiom(&self.axiom, &asked.uniforms)?.0),
+            true => Some(self.plan.axiom(&self.axiom, &asked.settings.uniforms)?.0),
             false => None,
         };
         let wanted =
@@ -219,15 +221,16 @@ impl Run {
             engine.queue.write_buffer(&self.buffers.records[0], 0, bytemuck::cast_slice(&records));
         }
         for (id, kernels) in &self.stages {
-            let words = environment(&self.plan, *id, &asked.uniforms, &asked.given);
+            let words = environment(&self.plan, *id, &asked.settings.uniforms, &asked.given);
             engine.queue.write_buffer(&kernels.environment, 0, bytemuck::cast_slice(&words));
         }
         let others = self.given.words != asked.given.words;
-        (self.options, self.uniforms, self.given) = (options, asked.uniforms, asked.given);
+        let reseeded = self.settings.seed != asked.settings.seed;
+        (self.options, self.settings, self.given) = (options, asked.settings, asked.given);
         if others {
             self.write_given();
         }
-        if others || self.turns != asked.turns {
+        if others || reseeded || self.turns != asked.turns {
             self.turns = asked.turns;
             self.write_turns();
         }
@@ -256,6 +259,35 @@ impl Run {
             self.write_turns();
             Ok(())
         })
+    }
+
+    /// Has the driver compile every kernel of the rules, those of steps that only other params ask for among them, and
+    /// waits for it, with a derivation that is thrown away; else it may in the first frames that need one
+    /// ([how long](super::tessellate::Tessellator::warm_up)).
+    ///
+    /// # Errors
+    /// What the device says.
+    pub fn warm_up(&mut self) -> Result<(), Error> {
+        let engine = self.engine.clone();
+        warm::warm(&engine, |encoder| {
+            self.encode(encoder);
+            self.idle(&mut encoder.begin_compute_pass(&Default::default()));
+        })
+    }
+
+    /// Dispatches all kernels over no workgroups.
+    pub(super) fn idle(&self, pass: &mut wgpu::ComputePass) {
+        for (id, kernels) in &self.stages {
+            let Some([groups, ..]) = self.groups.stages.get(id) else { continue };
+            if let (Some(kernel), Some(group)) = (&kernels.measure, &groups.measure) {
+                warm::idle(pass, kernel, group);
+            }
+            warm::idle(pass, &kernels.match_modules, &groups.matching);
+            warm::idle(pass, &kernels.count, &groups.count);
+            warm::idle(pass, &kernels.emit, &groups.emit);
+        }
+        warm::idle(pass, &self.shared.scan, &self.groups.scan);
+        warm::idle(pass, &self.proceed, &self.groups.proceed);
     }
 
     /// Records the whole schedule: no submission, no wait, no buffer made.
@@ -382,7 +414,7 @@ impl Run {
         let n = u64::from(progress.modules.min(self.room.modules));
         let records = reading::read(engine, doing, self.records(), n * layout.record_bytes())?;
         let nets = reading::read(engine, doing, self.nets(), n * layout.net_bytes())?;
-        Ok((progress, collect::word(&self.plan, &layout, progress.steps, &records, nets)))
+        Ok((progress, collect::word(&self.plan, progress.steps, &records, nets)?))
     }
 
     fn write_given(&self) {
@@ -401,7 +433,7 @@ impl Run {
             let extent = Extent {
                 count,
                 capacity: self.room.modules,
-                clock: Clock { step: turn.step, run_step: 0, seed: self.options.seed },
+                clock: Clock { step: turn.step, run_step: 0, seed: self.settings.seed },
                 given: self.given.words.len() as u32,
                 ..Extent::default()
             };
@@ -432,17 +464,17 @@ impl Run {
 
 /// What options come to.
 struct Asked {
-    uniforms: Vec<Value>,
+    settings: Settings,
     given: Given,
     turns: Vec<Turn>,
 }
 
 impl Asked {
     fn of(plan: &Plan, axiom: &patch::Axiom, options: &Options) -> Result<Asked, Error> {
-        let uniforms = plan.uniforms(&options.set)?;
+        let settings = plan.settings(&options.set, options.seed)?;
         let given = Given::new(&plan.system, axiom.roots.len(), &options.bind, options.view)?;
-        let turns = turns::turns(plan, &schedule::unroll(plan, &uniforms)?)?;
-        Ok(Asked { uniforms, given, turns })
+        let turns = turns::turns(plan, &schedule::unroll(plan, &settings.uniforms)?)?;
+        Ok(Asked { settings, given, turns })
     }
 }
 

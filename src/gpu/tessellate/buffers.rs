@@ -1,5 +1,6 @@
 //! The buffers of a tessellation. All are made when it is prepared, none while frames are recorded.
 
+use super::super::buffers as making;
 use super::super::{Engine, Error};
 use super::Capacity;
 use super::slab::{Drawn, Section, Slab};
@@ -142,20 +143,8 @@ impl Buffers {
         let nodes = capacity.nodes.max(input.start.len() as u32).max(modules);
         let section = section_words(nodes);
         let tile = engine.tuning().tile();
-        let most = engine.device.limits().max_storage_buffer_binding_size;
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
-        let make = |label: &'static str, bytes: u64, usage: BufferUsages| {
-            let bytes = bytes.max(16).next_multiple_of(16);
-            if usage.contains(BufferUsages::STORAGE) && bytes > most {
-                return Err(Error::Binding { buffer: label, needed: bytes, most });
-            }
-            Ok(engine.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size: bytes,
-                usage,
-                mapped_at_creation: false,
-            }))
-        };
+        let make = |label: &'static str, bytes: u64, usage| making::make(engine, label, bytes, usage);
         let written = storage | BufferUsages::COPY_DST;
         let kept = |of: fn(&Buffers) -> &wgpu::Buffer, label, bytes: u64, usage| match before {
             Some(before) => Ok(of(before).clone()),

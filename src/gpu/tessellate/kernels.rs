@@ -2,7 +2,7 @@
 
 use super::super::kernels::{Binding, Bound, Kernel};
 use super::super::run::Run;
-use super::super::{Engine, Error};
+use super::super::{Engine, Error, warm};
 use super::buffers::{Buffers, Of, RANGE_BYTES};
 use crate::codegen::{self, Shader, Tessellation};
 
@@ -97,6 +97,25 @@ impl Kernels {
                 ),
             }),
         })
+    }
+
+    /// Dispatches all over no workgroups.
+    pub fn idle(&self, pass: &mut wgpu::ComputePass, groups: &Groups) {
+        // Those of rules are dispatched by every frame that has some.
+        let pairs = [
+            (&self.begin, &groups.begin),
+            (&self.decide, &groups.decide),
+            (&self.scan, &groups.scan[0]),
+            (&self.split, &groups.split),
+            (&self.advance, &groups.advance),
+            (&self.mark, &groups.mark),
+            (&self.tally, &groups.tally),
+            (&self.afford, &groups.afford),
+            (&self.finish, &groups.finish),
+            (&self.vertices, &groups.vertices),
+            (&self.triangles, &groups.triangles),
+        ];
+        pairs.into_iter().for_each(|(kernel, group)| warm::idle(pass, kernel, group));
     }
 
     /// Binds the buffers of a word that is derived, if it is.

@@ -21,7 +21,7 @@
 //! let level = Level { hysteresis: 0.25, ..Level::pixels(0.5, camera) };
 //! let room = Capacity::for_vertices(50_000);
 //! let mut tessellator = Tessellator::new(&engine, nets, &level, &Options::default(), &room)?;
-//! tessellator.warm_up(); // else the driver compiles in the first frame
+//! tessellator.warm_up()?; // else the driver may compile in the first frames
 //! # Ok(tessellator)
 //! # }
 //! ```
@@ -91,7 +91,7 @@ mod slab;
 
 use super::report::Report;
 use super::run::Run;
-use super::{Engine, Error};
+use super::{Engine, Error, warm};
 use crate::codegen::Tessellation;
 use crate::patch::{Net, Word};
 use crate::plan::Displacement;
@@ -443,12 +443,27 @@ impl Tessellator {
         }
     }
 
-    /// Has the driver compile what it compiles when a kernel first runs, with a frame that is thrown away.
-    pub fn warm_up(&mut self) {
-        let label = wgpu::CommandEncoderDescriptor { label: Some("burgeon warm-up") };
-        let mut encoder = self.engine.device.create_command_encoder(&label);
-        self.encode(&mut encoder);
-        self.engine.queue.submit([encoder.finish()]);
+    /// Has the driver compile every kernel that a frame may dispatch, those of rules and of a placement among them, and
+    /// waits for it: with a frame that is thrown away, and dispatches of no workgroups for what it did not need. Without
+    /// it drivers that compile a kernel when it is first dispatched do so in the first frames: lavapipe takes seconds,
+    /// unless its cache on the disk has them.
+    ///
+    /// It is for the beginning, and for another thread where the host's own must go on. [`Tessellator::displace`] and
+    /// [`Tessellator::reload`] make kernels, so it may be called again after them; what is compiled already takes no
+    /// time. The pipelines that draw the frame are the host's to warm.
+    ///
+    /// # Errors
+    /// What the device says.
+    pub fn warm_up(&mut self) -> Result<(), Error> {
+        let engine = self.engine.clone();
+        warm::warm(&engine, |encoder| {
+            self.encode(encoder);
+            let mut pass = encoder.begin_compute_pass(&Default::default());
+            self.kernels.idle(&mut pass, &self.groups[self.turn]);
+            if let Some(rules) = &self.rules {
+                rules.run.idle(&mut pass);
+            }
+        })
     }
 
     /// Control points, one root after the other, four floats each: storage, to be copied to.

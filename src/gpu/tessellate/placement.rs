@@ -1,12 +1,12 @@
 //! A tessellation displaced by the placement of a plan.
 
+use super::super::buffers as making;
 use super::super::{Engine, Error};
 use super::Tessellator;
 use super::kernels::Kernels;
 use crate::codegen;
 use crate::language::Value;
 use crate::plan::{self, Displacement, Plan};
-use wgpu::BufferUsages;
 
 impl Tessellator {
     /// Displaces the vertices of the frames to come by the placement that ends the plan's run, with the params,
@@ -16,16 +16,18 @@ impl Tessellator {
     ///
     /// # Errors
     /// [`Error::Plan`] for options that do not fit the plan, as [`Plan::uniforms`] and
-    /// [`Given::new`](plan::Given::new) say; [`Error::Binding`] for values of queries that the device cannot bind;
+    /// [`Given::new`](plan::Given::new) say; [`Error::Binding`] for values of queries, and [`Error::Uniforms`]
+    /// for consts, that the device cannot bind;
     /// what the device says. Then all is as before.
     pub fn displace(&mut self, plan: &Plan, options: &plan::Options) -> Result<(), Error> {
         let displacement = Displacement::new(plan, self.topology.roots(), options)?;
         let engine = self.engine.clone();
         engine.checked("preparing a placement", || {
+            // First, since some drivers refuse a kernel of more than they bind.
+            let [topology, environment] = buffers(&engine, self.topology.words(), displacement.as_ref())?;
             let placement = displacement.as_ref().map(|d| &d.placement);
             let shader = codegen::vertices(&self.what, placement, engine.tuning(), engine.edit.as_ref())?;
             let kernel = Kernels::vertices(&engine, &shader);
-            let [topology, environment] = buffers(&engine, self.topology.words(), displacement.as_ref())?;
             (self.buffers.topology, self.buffers.environment) = (topology, environment);
             self.kernels.vertices = kernel;
             self.groups = [0, 1].map(|now| self.kernels.groups(&engine, &self.buffers, now));
@@ -54,28 +56,9 @@ fn buffers(
 ) -> Result<[wgpu::Buffer; 2], Error> {
     let environment = displacement.map_or(vec![0; 4], |d| d.environment(topology.len() as u32));
     let given = displacement.map_or(&[][..], |d| &d.given.words);
-    let make = |label: &'static str, parts: &[&[u32]], usage| {
-        let words: Vec<u32> = parts.concat();
-        let bytes = (4 * words.len() as u64).max(16).next_multiple_of(16);
-        let limits = engine.device.limits();
-        let most = match usage {
-            BufferUsages::STORAGE => limits.max_storage_buffer_binding_size,
-            _ => limits.max_uniform_buffer_binding_size,
-        };
-        if bytes > most {
-            return Err(Error::Binding { buffer: label, needed: bytes, most });
-        }
-        let buffer = engine.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(label),
-            size: bytes,
-            usage: usage | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        engine.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&words));
-        Ok(buffer)
-    };
-    Ok([
-        make("burgeon topology", &[topology, given], BufferUsages::STORAGE)?,
-        make("burgeon environment of the placement", &[&environment], BufferUsages::UNIFORM)?,
-    ])
+    let environment = making::uniform(engine, "burgeon environment of the placement", &environment)?;
+    let words = [topology, given].concat();
+    let both = making::storage(engine, "burgeon topology", 4 * words.len() as u64)?;
+    engine.queue.write_buffer(&both, 0, bytemuck::cast_slice(&words));
+    Ok([both, environment])
 }

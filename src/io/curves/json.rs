@@ -33,7 +33,7 @@ pub fn write(writer: &mut dyn Write, word: &Word) -> Result<(), WriteError> {
     Ok(writeln!(writer)?)
 }
 
-/// Writes several words that these starts have become.
+/// Writes several words that these starts have become; the seed is null where it was that of the run.
 ///
 /// # Errors
 /// What the writer reports; a number that is not finite, naming the word and the module.
@@ -47,7 +47,7 @@ pub fn write_words(writer: &mut dyn Write, starts: &Words, words: &[Word]) -> Re
             let value = serde_json::to_string(&Param(value)).map_err(std::io::Error::from)?;
             write!(writer, "{comma}{}:{value}", json!(name))?;
         }
-        write!(writer, "}},\"seed\":{},\"word\":", start.seed)?;
+        write!(writer, "}},\"seed\":{},\"word\":", json!(start.seed))?;
         object(writer, word).map_err(|e| e.of_word(n, words.len()))?;
         write!(writer, "}}")?;
     }

@@ -103,6 +103,8 @@ pub const TOO_MANY_RULES: &str = "E0268";
 pub const TRACE: &str = "E0269";
 /// A successor that systems of this kind have not.
 pub const SUCCESSOR: &str = "E0270";
+/// More than 65,534 symbols in a system.
+pub const TOO_MANY_SYMBOLS: &str = "E0272";
 
 /// A rule that is never reached.
 pub const UNREACHED: &str = "W0301";

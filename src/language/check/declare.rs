@@ -22,6 +22,9 @@ pub(super) const TURTLE: [(&str, &str, Omitted); 10] = [
     ("|", "angle", Omitted::HalfTurn),
 ];
 
+/// The most symbols of a system: those that 16 bits name, without the one that ends a word and the one of erased cells.
+const MAX_SYMBOLS: usize = 65_534;
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Omitted {
     One,
@@ -186,6 +189,16 @@ impl<'a> Checker<'a> {
         }
         self.symbols.push(Symbol { name: name.text.clone(), fields, span: name.span });
         self.symbol_ids.insert(&name.text, id);
+    }
+
+    /// Whether records can name all symbols, those of the turtle that occur among them.
+    pub(super) fn count_symbols(&mut self) {
+        if let Some(first) = self.symbols.get(MAX_SYMBOLS) {
+            let message =
+                format!("more than {MAX_SYMBOLS} symbols in one system: `{}` is one too many", first.name);
+            let error = Diagnostic::error(code::TOO_MANY_SYMBOLS, first.span, message);
+            self.report(error.hint("make one symbol of several, with a parameter that tells them apart"));
+        }
     }
 
     /// A module's symbol; a turtle symbol is entered where it first occurs.

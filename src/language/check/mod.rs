@@ -237,6 +237,7 @@ impl<'a> Checker<'a> {
         let groups = self.groups();
         let placements = self.place_values();
         let run = self.run();
+        self.count_symbols();
         if self.errors() > 0 {
             return None;
         }

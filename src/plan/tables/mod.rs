@@ -13,7 +13,7 @@ use crate::language::system::{self, Field, Hang, Kind, System, Topology};
 use crate::plan::code::StageCode;
 use crate::plan::context::{Near, Place, Search};
 use crate::plan::given::Places;
-use crate::plan::layout::{CurveHeader, Layout};
+use crate::plan::layout::{CurveHeader, END, Layout};
 use crate::plan::links::{Linked, Links};
 use crate::plan::measure::Row;
 use crate::plan::supported::{self, Unsupported};
@@ -349,7 +349,9 @@ impl Tables {
         }
         let Builder { symbols, searches, .. } = builder;
         if symbols.len() > MOST_SYMBOLS {
-            let what = format!("more than {MOST_SYMBOLS} symbols, those inside nested blocks among them");
+            let what = format!(
+                "more than {MOST_SYMBOLS} symbols, those inside nested blocks and of erased cells among them"
+            );
             return Err(Unsupported::new(what, system.source.kind_span));
         }
         let param_words = symbols.iter().map(words_of).max().unwrap_or(0);
@@ -396,8 +398,8 @@ pub(in crate::plan) fn environment(system: &System) -> Environment {
     Environment { uniforms, uniform_words: at, given: Places::new(at), queries }
 }
 
-/// Symbols that the 16 bits of a record can name.
-const MOST_SYMBOLS: usize = 1 << 16;
+/// Symbols that the 16 bits of a record can name; [`END`] is none.
+const MOST_SYMBOLS: usize = END as usize;
 
 fn words_of(symbol: &Symbol) -> usize {
     symbol.fields.iter().map(|f| f.ty.words()).sum()
