@@ -11,6 +11,7 @@ mod curves;
 mod degrees;
 #[cfg(feature = "gpu")]
 mod device;
+mod endless;
 #[cfg(feature = "gpu")]
 mod expressions;
 mod fuzz;

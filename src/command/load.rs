@@ -320,6 +320,18 @@ fn failure(source: &Source, plan: &Plan, e: plan::Error) -> Failure {
         plan::Error::Unsupported(e) => source.unsupported(e),
         plan::Error::Value(text) => at(place_of_value(system, text), text),
         plan::Error::Axiom(text) => at(place_of_axiom(system), text),
+        plan::Error::Endless { symbol, rule, derive, needed, modules, step, budget } => {
+            let what = format!(
+                "this never becomes terminal: `{symbol}` is rewritten in every step, and leads to `{symbol}` again"
+            );
+            let (modules, needed, budget) = (counted(*modules, "module"), size(*needed), size(*budget));
+            let grown = format!(
+                "step {step} would need at least {needed} for {modules}; the memory budget is {budget}"
+            );
+            let hint =
+                "give the rule a condition that ends it, or say by `derive N` how many steps are meant";
+            source.error(Diagnostic::error("E0407", *rule, what).label(*derive, grown).hint(hint))
+        }
         _ => super::run::of_plan(e),
     }
 }
