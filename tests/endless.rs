@@ -67,7 +67,7 @@ fn what_can_never_become_terminal_is_refused_before_it_fills_the_memory() {
             Ok(_) => assert!(endless.is_none(), "{text}"),
         }
         // What fits is derived: `max` says how far.
-        let room = Options { steps: Some(3), max_bytes: 40 * module, ..Options::default() };
+        let room = Options { steps: Some(2), max_bytes: 40 * module, ..Options::default() };
         cpu::derive(&plan, &axiom, &room, 1).unwrap_or_else(|error| panic!("{error}\n{text}"));
     }
 }
@@ -91,7 +91,7 @@ fn slow_growth_without_end_is_refused_too() {
     };
     for run in [
         "derive 1 with first\n  derive until terminal max 1000000",
-        "repeat 2 { derive until terminal max 1000000 with first\n  derive until terminal max 1000000 }",
+        "repeat 2 { \n  derive until terminal max 1000000 with first\n  derive until terminal max 1000000\n  }",
     ] {
         match refusal(run) {
             // n² / 2 modules, about.

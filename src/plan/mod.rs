@@ -62,10 +62,10 @@ pub enum Error {
          the memory budget is {budget} bytes: derive fewer steps or raise it"
     )]
     Memory { needed: u64, modules: u64, step: u32, budget: u64 },
-    /// The same, where a `derive until terminal` makes the word so large since nothing ever ends it.
+    /// The same, at a step of a `derive until terminal`, where that makes the word so large since nothing ever ends it.
     #[error(
         "this never becomes terminal: `{symbol}` is rewritten in every step, and leads to `{symbol}` again; \
-         step {step} would need at least {needed} bytes ({modules} modules), the memory budget is {budget} bytes"
+         step {step} of the derive would need at least {needed} bytes ({modules} modules), the memory budget is {budget} bytes"
     )]
     Endless { symbol: String, rule: Span, derive: Span, needed: u64, modules: u64, step: u32, budget: u64 },
     /// A word with branches, or with symbols that contexts ignore, is one buffer.

@@ -62,7 +62,7 @@ pub fn growth(tables: &Tables, uniforms: &[Value], axiom: &[u64], steps: &[usize
 /// A word that is sure to be too large.
 #[derive(Clone, Debug)]
 pub struct Excess {
-    /// After this step, if no `until terminal` before it ends early.
+    /// After this step, of the run or, if that is endless, of the derive; an `until terminal` before it may end earlier.
     pub step: u64,
     pub modules: u64,
     /// Where a `derive until terminal` makes it so large, why that never ends.
@@ -95,12 +95,13 @@ pub fn excess(
         return Some(Excess { step: 0, modules, endless: None });
     }
     let outcomes = Outcomes::of_all(tables, uniforms);
-    let (mut step, mut work) = (0, 0);
+    let (mut step, mut work, mut counted) = (0, 0, 0);
     for (at, derive) in schedule.iter().enumerate() {
         let mut least = ones.clone();
-        let end = (step + u64::from(derive.count)).min(most_steps);
+        let (start_of_derive, end) = (counted, (step + u64::from(derive.count)).min(most_steps));
         while step < end {
             step += 1;
+            counted += 1;
             let before = outcomes[derive.rule_set].back(&least, u64::min);
             let settled = before == least;
             least = before;
@@ -112,15 +113,19 @@ pub fn excess(
             let modules = weighted_sum(axiom, &start);
             if modules > limit {
                 let endless = derive.until_terminal.then(|| {
-                    let sure = surely_there(&outcomes, axiom, &schedule[..at]);
-                    outcomes[derive.rule_set].endless(&sure, &least, *derive)
+                    let symbol = grown(&outcomes, axiom, &schedule[..at], &least)?;
+                    outcomes[derive.rule_set].endless(symbol, &least, *derive)
                 });
-                return Some(Excess { step, modules, endless: endless.flatten() });
+                let endless = endless.flatten();
+                let step = if endless.is_some() { counted - start_of_derive } else { counted };
+                return Some(Excess { step, modules, endless });
             }
             if work > MOST_WORK {
                 return None;
             }
             if settled {
+                // Of `until terminal` nobody knows how many more steps there are.
+                counted += if derive.until_terminal { 0 } else { end - step };
                 step = end;
             }
         }
@@ -132,24 +137,43 @@ fn weighted_sum(counts: &[u64], values: &[u64]) -> u64 {
     counts.iter().zip(values).fold(0, |sum: u64, (c, v)| sum.saturating_add(c.saturating_mul(*v)))
 }
 
-/// The symbols of which a module is sure to be there after some derives.
-fn surely_there(outcomes: &[Outcomes], axiom: &[u64], schedule: &[Derive]) -> Vec<bool> {
-    let mut sure: Vec<bool> = axiom.iter().map(|count| *count > 0).collect();
-    for derive in schedule {
-        for _ in 0..derive.count.min(HORIZON as u32) {
-            let next = outcomes[derive.rule_set].children_of(&sure);
-            // Where it may have ended before, only what is there after each step is sure.
-            let next = match derive.until_terminal {
-                true => next.iter().zip(&sure).map(|(a, b)| *a && *b).collect(),
-                false => next,
-            };
-            if next == sure {
+/// What the module of the axiom that becomes most has become, among others, after some derives: always the child that
+/// becomes most. `values` are the bounds behind them. None where the way there is too long to tell.
+fn grown(outcomes: &[Outcomes], axiom: &[u64], schedule: &[Derive], values: &[u64]) -> Option<usize> {
+    // For each derive the bounds behind it, then those before each of its steps, the last first, until they settle.
+    let mut all: Vec<Vec<Vec<u64>>> = Vec::with_capacity(schedule.len());
+    let mut values = values.to_vec();
+    for derive in schedule.iter().rev() {
+        let mut list = vec![values];
+        while list.len() <= derive.count as usize {
+            let before = outcomes[derive.rule_set].back(&list[list.len() - 1], u64::min);
+            if before == list[list.len() - 1] {
                 break;
             }
-            sure = next;
+            list.push(before);
+            if list.len() > HORIZON {
+                return None;
+            }
+        }
+        values = list[list.len() - 1].clone();
+        all.push(list);
+    }
+    let mut symbol = most(&values, (0..axiom.len()).filter(|&symbol| axiom[symbol] > 0))?;
+    for (derive, list) in schedule.iter().zip(all.iter().rev()) {
+        let settled = list.len() - 1;
+        // Where they have settled, as many steps as there are symbols lead wherever more would.
+        let steps = (derive.count as usize).min(settled + axiom.len());
+        for left in (0..steps).rev() {
+            let values = &list[left.min(settled)];
+            symbol = most(values, outcomes[derive.rule_set].least(symbol, values)?.children.iter().copied())?;
         }
     }
-    sure
+    Some(symbol)
+}
+
+/// The symbol that becomes most.
+fn most(values: &[u64], symbols: impl Iterator<Item = usize>) -> Option<usize> {
+    symbols.max_by_key(|&symbol| values[symbol])
 }
 
 /// What may come of a module.
@@ -198,31 +222,21 @@ impl Outcomes {
         u64::from(steps) * self.work
     }
 
-    /// What is sure to come of modules that are there.
-    fn children_of(&self, sure: &[bool]) -> Vec<bool> {
-        let mut next = vec![false; sure.len()];
-        for list in self.of.iter().zip(sure).filter_map(|(list, sure)| sure.then_some(list)) {
-            let Some((first, others)) = list.split_first() else { continue };
-            for &child in &first.children {
-                next[child] |= others.iter().all(|other| other.children.contains(&child));
-            }
-        }
-        next
+    /// The outcome that becomes least.
+    fn least(&self, symbol: usize, values: &[u64]) -> Option<&Outcome> {
+        self.of[symbol].iter().min_by_key(|outcome| outcome.sum(values))
     }
 
-    /// The symbol behind the growth: from the one that becomes most, always to the child that becomes most, until
-    /// one comes again.
-    fn endless(&self, there: &[bool], values: &[u64], derive: Derive) -> Option<Endless> {
-        let most = |symbols: &mut dyn Iterator<Item = usize>| symbols.max_by_key(|&symbol| values[symbol]);
-        let mut symbol = most(&mut (0..there.len()).filter(|&symbol| there[symbol]))?;
+    /// The symbol behind the growth: from one always to the child that becomes most, until one comes again.
+    fn endless(&self, mut symbol: usize, values: &[u64], derive: Derive) -> Option<Endless> {
         let mut path: Vec<(usize, &Outcome)> = Vec::new();
         let circle = loop {
             if let Some(start) = path.iter().position(|(earlier, _)| *earlier == symbol) {
                 break &path[start..];
             }
-            let least = self.of[symbol].iter().min_by_key(|outcome| outcome.sum(values))?;
+            let least = self.least(symbol, values)?;
             path.push((symbol, least));
-            symbol = most(&mut least.children.iter().copied())?;
+            symbol = most(values, least.children.iter().copied())?;
         };
         let (symbol, outcome) = circle.iter().find(|(_, outcome)| outcome.children.len() > 1)?;
         Some(Endless { symbol: *symbol, rule: outcome.rule?, derive })
