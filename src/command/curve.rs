@@ -9,6 +9,9 @@ use super::{Failure, counted, flags, print, stop};
 use burgeon::curve::{Word, Words};
 use burgeon::io;
 use burgeon::io::curves::{self, Panel, Picture, Style};
+use burgeon::language::expr::Type;
+use burgeon::language::system::{Step, StepKind, Symbol};
+use burgeon::language::{Diagnostic, Span};
 use burgeon::plan::derive::{self, Backend, StepStats};
 use burgeon::plan::{Options, Plan, Progress};
 use std::path::Path;
@@ -16,6 +19,9 @@ use std::time::Instant;
 
 /// What curves are written as.
 const FORMATS: [&str; 5] = ["svg", "png", "obj", "csv", "json"];
+
+/// Those of them that show points; the others write any word.
+const DRAWINGS: [&str; 3] = ["svg", "png", "obj"];
 
 /// Derives and writes.
 pub fn run(flags: &flags::Run) -> Result<(), Failure> {
@@ -45,6 +51,12 @@ pub fn run(flags: &flags::Run) -> Result<(), Failure> {
         bar.clear();
     }
     let derived = derived?;
+    if let Some(path) = flags.out.iter().find(|path| DRAWINGS.iter().any(|e| load::has_extension(path, e)))
+        && derived.words.iter().any(has_no_point)
+    {
+        bar.clear();
+        return Err(untraced(&job, path));
+    }
     let drawn = Drawn {
         control: if flags.control { control(&job, several)? } else { vec![Vec::new(); derived.words.len()] },
         combinations: several.map_or(1, |several| several.combinations),
@@ -71,6 +83,36 @@ pub fn run(flags: &flags::Run) -> Result<(), Failure> {
     let words =
         several.map_or(String::new(), |_| format!("{}, ", counted(derived.words.len() as u64, "curve")));
     print(&format!("{}: {steps}, {words}{modules}\n", job.plan.system.name))
+}
+
+/// There are modules, and none of them stands anywhere.
+fn has_no_point(word: &Word) -> bool {
+    !word.modules.is_empty() && word.modules.iter().all(|module| module.position().is_none())
+}
+
+/// That a word of symbols alone is to be drawn.
+fn untraced(job: &Job, path: &Path) -> Failure {
+    fn trace(steps: &[Step]) -> Option<Span> {
+        steps.iter().find_map(|step| match &step.kind {
+            StepKind::Trace { .. } => Some(step.span),
+            StepKind::Repeat { body, .. } | StepKind::If { body, .. } => trace(body),
+            _ => None,
+        })
+    }
+    let system = &job.plan.system;
+    let message = format!("the word has no point that {} could show: it was never traced", path.display());
+    let last = system.run.last().map_or(system.source.name.span, |step| step.span);
+    let error = Diagnostic::error("E0408", last, message);
+    if let Some(trace) = trace(&system.run) {
+        return job.error(error.label(trace, "the run did not come to this step"));
+    }
+    let is_point = |symbol: &&Symbol| symbol.fields.iter().any(|f| matches!(f.ty, Type::Vec2 | Type::Vec3));
+    let hint = match system.symbols.iter().find(is_point) {
+        Some(point) => format!("write `trace into {}` as the last step of `run:`", point.name),
+        None => "write `trace into P` as the last step of `run:`, and declare the point: `module P(v: vec2)`"
+            .into(),
+    };
+    job.error(error.hint(hint))
 }
 
 /// What pictures show beside the words.

@@ -18,6 +18,9 @@ use indicatif::HumanBytes;
 use std::io;
 use std::path::{Path, PathBuf};
 
+/// What is said of a file without systems.
+const BEGINNING: &str = "help: a system begins with `system NAME : patch bezier 3` or `system NAME : curve`";
+
 /// A rule file, read and checked.
 pub struct Source {
     pub path: PathBuf,
@@ -48,6 +51,13 @@ impl Source {
             }
         };
         let checked = compile(&text, &Vocabulary::default());
+        if checked.systems.is_empty() && checked.diagnostics.is_empty() {
+            let file = parse(&text).file;
+            if file.items.is_empty() && file.version.is_none() {
+                let what = if text.trim().is_empty() { "it is empty" } else { "it holds comments only" };
+                return Err(Failure::File(format!("error: {name} is no rule file: {what}\n{BEGINNING}")));
+            }
+        }
         Ok(Source { path: path.to_path_buf(), text, checked })
     }
 
@@ -88,8 +98,7 @@ impl Source {
         let systems = &self.checked.systems;
         let path = self.path.display();
         let Some(last) = systems.last() else {
-            let help = "help: a system begins with `system NAME : patch bezier 3`";
-            return Err(Failure::File(format!("error: {path} holds no system\n{help}")));
+            return Err(Failure::File(format!("error: {path} holds no system\n{BEGINNING}")));
         };
         let Some(name) = name else { return Ok(last) };
         systems.iter().find(|s| s.name == name).ok_or_else(|| {
@@ -124,6 +133,7 @@ fn unreadable_rules(path: &Path, e: &io::Error) -> Failure {
     let longer = PathBuf::from(format!("{}.burgeon", path.display()));
     let help = match e.kind() {
         io::ErrorKind::NotFound if longer.is_file() => format!("\nhelp: there is {}", longer.display()),
+        io::ErrorKind::IsADirectory => "\nhelp: name a rule file in it".to_string(),
         _ => String::new(),
     };
     Failure::File(format!("error: {}{help}", cannot_read(path, e)))
@@ -205,6 +215,11 @@ impl Job {
     /// The axiom once for each curve of its first file.
     pub fn each_curve(&self, input: Option<&Path>) -> Result<Vec<curve::Axiom>, Failure> {
         axiom::of_each_curve(&self.source, &self.plan.system, input).map_err(|e| e.failure(&self.source))
+    }
+
+    /// One error at a place of the rule file.
+    pub fn error(&self, d: Diagnostic) -> Failure {
+        self.source.error(d)
     }
 
     /// An error of the plan by whose fault it is, with the place where that is known.
