@@ -22,7 +22,7 @@ const UNTIL_TERMINAL: &[(&str, Option<&str>)] = &[
     ("P ->(1) [ P | P ] ->(0 - k) eps", Some("P ->(1) [ P | P ] ->(0 - k) eps")),
     ("P : level < 5 -> [ P | P ]\n  P : level >= 5 -> [ P ; P ]", Some("P : level < 5 -> [ P | P ]")),
     ("P : level == 5 -> [ P | P ]\n  P : 5 != level -> [ P ; P ]", Some("P : level == 5 -> [ P | P ]")),
-    ("N(true) -> [ N(false) | N(true) ]\n  N(false) -> [ N(true) | P ]\n  P -> N(true)", Some("N(true)")),
+    ("N(true) -> [ N(false) | N(true) ]\n  N(false) -> [ N(true) | P ]\n  P -> N(true)", Some("N(")),
     // Some of these may end, whatever the others do; or what goes on does not grow.
     ("P : flatness > 0.1 -> [ P | P ]", None),
     ("P : rand() < 0.5 -> [ P | P ]\n  P : rand() >= 0.5 -> [ P ; P ]", None),

@@ -101,9 +101,9 @@ fn a_turtle_that_was_never_traced_is_not_drawn() {
     for out in ["a.json", "a.csv"] {
         draw(out, &[]).succeeds();
     }
-    folder.write("t.burgeon", turtle("X, Dot(at: vec3)", "derive 3"));
+    folder.write("t.burgeon", turtle("X, Dot(v: vec3)", "derive 3"));
     draw("b.svg", &[]).fails(1, &["help: write `trace into Dot` as the last step of `run:`\n"]);
-    folder.write("t.burgeon", turtle("X, Dot(at: vec3)", "derive 3\n  trace into Dot"));
+    folder.write("t.burgeon", turtle("X, Dot(v: vec3)", "derive 3\n  trace into Dot"));
     draw("b.svg", &["--steps", "2"]).fails(1, &["t.burgeon:8:3", "the run did not come to this step"]);
     draw("b.svg", &[]).succeeds();
 }

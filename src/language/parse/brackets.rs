@@ -193,7 +193,7 @@ fn assemble(raw: &[RawToken], text: &str, repairs: &[Repair], strays: &[usize]) 
         }
         let next = raw.get(at + 1).map_or(TokenKind::End, |t| t.kind);
         if token.kind == TokenKind::Newline {
-            let goes_on = || continues(next) || statement.goes_on(raw, text, at);
+            let goes_on = || continues(next) || statement.goes_on(raw, text, at, !assembly.frames.is_empty());
             if assembly.inside_line() || goes_on() {
                 continue;
             }

@@ -1,5 +1,6 @@
 //! Files that are plainly no rule files: prose, markup, data of another format.
 
+use super::brackets::Token;
 use super::{Parser, TokenKind};
 use crate::language::diagnostic::{Diagnostic, code};
 use crate::language::lex::Keyword;
@@ -10,8 +11,8 @@ use crate::language::syntax::Span;
 pub(super) struct Foreign {
     /// The first statement that is none.
     first: Option<Span>,
-    /// Statements that read as prose or data, before the first system.
-    prose: u32,
+    /// Lines that read as prose or data, before the first system.
+    prose: usize,
     /// Something of the language has been met.
     known: bool,
     /// A system has begun.
@@ -19,31 +20,33 @@ pub(super) struct Foreign {
 }
 
 /// So many lines of prose before the first system are no slip.
-const PROSE: u32 = 3;
+const PROSE: usize = 3;
 
 impl Parser<'_> {
-    /// Looks at the statement that begins here, outside of systems.
-    pub(super) fn survey(&mut self) {
-        let token = self.token();
+    /// Looks at a statement outside of systems, which begins with token `start` and ends before the one at hand.
+    pub(super) fn survey(&mut self, start: usize) {
+        let (token, last) = (self.tokens[start], self.tokens[self.at.saturating_sub(1).max(start)]);
         match token.kind {
             TokenKind::Keyword(keyword) if keyword.begins_item() => {
                 self.foreign.known = true;
                 self.foreign.system |= keyword == Keyword::System;
             }
             _ if self.foreign.system => {}
-            TokenKind::Name if self.is_nearly_known() => self.foreign.known = true,
+            TokenKind::Name if self.is_nearly_known(token) => self.foreign.known = true,
             TokenKind::End => {}
             kind => {
                 self.foreign.first.get_or_insert(token.span);
-                // `#` may be meant as a comment.
-                self.foreign.prose += u32::from(is_prose(kind));
+                // `#` may be meant as a comment. A bracket that is never closed takes many lines with it.
+                let lines = self.text[token.span.start as usize..last.span.end as usize].lines();
+                let lines = lines.filter(|line| !line.trim().is_empty());
+                self.foreign.prose += if is_prose(kind) { lines.count() } else { 0 };
             }
         }
     }
 
     /// A word that a file of rules may begin with, or a slip of one.
-    fn is_nearly_known(&self) -> bool {
-        let text = self.text_of(self.token());
+    fn is_nearly_known(&self, token: Token) -> bool {
+        let text = self.text_of(token);
         text == "burgeon" || self.nearest_item(text).is_some()
     }
 

@@ -25,8 +25,8 @@ impl Statement {
         self.value |= matches!(kind, TokenKind::Colon | TokenKind::Keyword(Keyword::Let));
     }
 
-    /// Whether it goes on behind the newline that is token `at`.
-    pub fn goes_on(&self, raw: &[Token], text: &str, at: usize) -> bool {
+    /// Whether it goes on behind the newline that is token `at`, in braces or not.
+    pub fn goes_on(&self, raw: &[Token], text: &str, at: usize, braces: bool) -> bool {
         let (Some(first), Some(last)) = (self.first, at.checked_sub(1)) else { return false };
         let next = kind(raw, at + 1);
         match next {
@@ -51,8 +51,11 @@ impl Statement {
         if never_ends(raw[last].kind) || never_begins(raw, at + 1) {
             return true;
         }
-        let value = declares || step || self.value;
-        value && is_sign(raw[last].kind) || declares && is_sign(next)
+        // In braces `:` gives a slot its module.
+        let value = declares || step || self.value && !braces;
+        let range =
+            raw[first].kind == TokenKind::Keyword(Keyword::Param) && &text[raw[at + 1].span.range()] == "in";
+        range || value && is_sign(raw[last].kind) || declares && is_sign(next)
     }
 }
 
@@ -72,10 +75,10 @@ pub(super) fn continues(kind: TokenKind) -> bool {
     )
 }
 
-/// Operators that are no symbols, so that neither an expression nor a word ends with them.
+/// What is no symbol, and ends neither an expression nor a word.
 fn never_ends(kind: TokenKind) -> bool {
-    let is = matches!(kind, TokenKind::Less | TokenKind::Greater | TokenKind::Equal | TokenKind::DotDot);
-    is || is_comparison_or_product(kind)
+    let others = [TokenKind::Less, TokenKind::Greater, TokenKind::Equal, TokenKind::DotDot];
+    others.contains(&kind) || kind == TokenKind::Keyword(Keyword::With) || is_comparison_or_product(kind)
 }
 
 /// The same at the beginning of a line: no rule begins with them.

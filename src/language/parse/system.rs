@@ -22,13 +22,17 @@ impl Parser<'_> {
         let mut items = Vec::new();
         loop {
             self.skip_newlines();
-            self.survey();
+            let start = self.at;
             match self.peek() {
                 TokenKind::End => break,
                 TokenKind::Keyword(Keyword::System) => {
+                    self.survey(start);
                     items.extend(self.system().map(FileItem::System));
                 }
-                _ => items.extend(self.statement(Self::file_item)),
+                _ => {
+                    items.extend(self.statement(Self::file_item));
+                    self.survey(start);
+                }
             }
             if self.findings.is_full() {
                 break;
