@@ -356,7 +356,7 @@ fn a_word_in_pieces_peaks_lower_and_never_above_its_budget() {
 fn growth(plan: &Plan, job: &Job) -> Vec<burgeon::plan::size::Bounds> {
     let schedule = schedule::unroll(plan, &job.uniforms).expect("a schedule");
     let (records, _) = plan.axiom(&job.axiom, &job.uniforms).expect("an axiom");
-    bounds(plan, &records, &schedule, u64::MAX)
+    bounds(plan, &job.uniforms, &records, &schedule, u64::MAX)
 }
 
 #[test]
@@ -403,7 +403,7 @@ fn bounds_saturate_and_end_before_what_may_never_run() {
     assert_eq!(found.len(), 33, "4^32 is the first that does not fit a u64");
     let text = one_group("P", "P = file \"x\"", "P -> [ P P ; P P ]", "derive until terminal max 40");
     let until = job(&text, 1);
-    assert_eq!(growth(&until.plan, &until).len(), 1, "nothing is sure of a derivation until terminal");
+    assert_eq!(growth(&until.plan, &until).len(), 1, "a derivation until terminal may end before any step");
 }
 
 // --- schedules -----------------------------------------------------------------------------------

@@ -12,6 +12,7 @@ mod degrees;
 #[cfg(feature = "gpu")]
 mod device;
 mod embedding;
+mod endless;
 #[cfg(feature = "gpu")]
 mod expressions;
 mod fuzz;

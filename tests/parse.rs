@@ -106,9 +106,6 @@ fn examples_parse_and_print() {
 
 #[test]
 fn a_newline_ends_a_statement_only_outside_of_brackets() {
-    let text = curve("  X(a,\n    b)\n    let c = a,\n  d = b\n");
-    let wrong = errors(&text);
-    assert!(wrong.iter().any(|d| &text[d.span.range()] == "d"), "`d = b` is a line of its own");
     let rules = rules(&curve(
         "  X(a,\n    b)\n    let c = (a\n + b)\n    : c > 0\n    -> X(c,\n c) [ B\n C ]\n  A -> B",
     ));
@@ -119,6 +116,107 @@ fn a_newline_ends_a_statement_only_outside_of_brackets() {
     let text = mesh("  A -> extrude(1\n + 2) {\n    top: A\n    side, rim: B(nth)\n  }\n  B(n) -> A");
     assert_eq!(self::rules(&text).len(), 2);
     system("system s : curve\nconst x\n  = 3\nparam y : int\n  = 4\n");
+}
+
+/// Rules written over several lines, and in one.
+#[test]
+fn a_line_goes_on_where_nothing_else_can_be_meant() {
+    for (lines, line) in [
+        ("A -> B\n    C A", "A -> B C A"),
+        ("A -> B\n\t\tC A\n\t\t+ A", "A -> B"),
+        ("A -> F +\n    - F\n    [ C ]\n  B -> A", "A -> F + - F [ C ]\n  B -> A"),
+        ("A ->\n  B C", "A -> B C"),
+        ("A ->\n  B\n    C", "A -> B C"),
+        ("A ->(0.5)\n  B\n  ->(0.5) C\n    A", "A ->(0.5) B ->(0.5) C A"),
+        ("A -> B // a comment\n    // and one more\n    C", "A -> B C"),
+        ("A\n    -> B\n    C\n      -> A", "A -> B\n  C -> A"),
+        ("X(a, b) : a > 2 &&\n  b < 3 -> C", "X(a, b) : a > 2 && b < 3 -> C"),
+        ("X(a, b) : a > 2\n  && b < 3\n  -> C", "X(a, b) : a > 2 && b < 3 -> C"),
+        ("X(a, b) : a >\n  b +\n  3 -> C", "X(a, b) : a > b + 3 -> C"),
+        (
+            "X(a, b) let x = a *\n  b,\n  y = x\n  : x\n  == y -> C",
+            "X(a, b) let x = a * b, y = x : x == y -> C",
+        ),
+        ("A <\n  B -> C", "A < B -> C"),
+    ] {
+        let lines = curve(&format!("  {lines}"));
+        // A tab is not deeper than spaces.
+        match lines.contains('\t') {
+            true => assert_eq!(codes(&lines), [code::UNEXPECTED; 2]),
+            false => assert_eq!(rules(&lines), rules(&curve(&format!("  {line}"))), "{lines}"),
+        }
+    }
+    let lines = "const x = 1 +\n  2\nconst y = x\n  * 2\nconst z = x\n- y\nparam w: float = x\n  in 0 ..\n  9\nsystem s : curve\nmodule A,\n  B\naxiom: A\n  + B\nrules:\n  A -> B\nrun:\n  derive x +\n    y\n  repeat 2\n  {\n    derive 1\n      with\n      a, b\n  }\n";
+    let line = "const x = 1 + 2\nconst y = x * 2\nconst z = x - y\nparam w: float = x in 0 .. 9\nsystem s : curve\nmodule A, B\naxiom: A + B\nrules:\n  A -> B\nrun:\n  derive x + y\n  repeat 2 {\n    derive 1 with a, b\n  }\n";
+    assert_eq!(parsed(lines), parsed(line));
+    let lines = mesh("  A ->\n    extrude(1)\n    at scale(2)\n    {\n top: A\n }");
+    assert_eq!(rules(&lines), rules(&mesh("  A -> extrude(1) at scale(2) { top: A }")));
+    // A rule is one wherever it stands, and what is no word is none of the rule before.
+    assert_eq!(rules(&curve("  A -> B\n    C -> A\n      B C : true\n  -> A")).len(), 3);
+    for (text, error) in
+        [("  A ->\n  B -> C", code::EMPTY_WORD), ("  A -> B\n    modul(", code::UNCLOSED_BRACKET)]
+    {
+        assert_eq!(codes(&curve(text))[0], error, "{text}");
+    }
+}
+
+#[test]
+fn a_line_that_ended_too_early_is_named() {
+    let text = "system s : curve\nmodule A, B\naxiom: A\nrules:\n  A -> B\n  B A\n  B -> A\n";
+    let expected = "error[E0101]: the rule ends with this line, and the next one is no rule
+ --> test.burgeon:5:8
+  |
+5 |   A -> B
+  |        ^
+  |
+ ::: test.burgeon:6:3
+  |
+6 |   B A
+  |   --- `B A` has no `->`
+  |
+  = help: indent `B A` deeper than its rule to go on with it, or write `B A -> …` for a rule
+
+";
+    assert_eq!(shown(&errors(text), text), expected);
+    let text = "system s : curve\nmodule A,\nmodule B\naxiom: A\n";
+    let found = errors(text);
+    assert_eq!(found.len(), 1);
+    assert_eq!(found[0].span.start as usize, text.find(",\n").expect("a comma") + 1);
+}
+
+#[test]
+fn what_is_plainly_no_rule_file_is_told_once() {
+    let prose = "Rewriting patches.\nIt has rules (many) and [more.\n".repeat(100);
+    for text in [
+        format!("# Title\n\n{prose}```\nsystem s : curve\naxiom: F\n```\n"),
+        format!("Title\n=====\n{prose}"),
+        "v 0 0 0\nv 1 0 0\nf 1 2 3\n".into(),
+        "<?xml version=\"1.0\"?>\n<svg>\n<path d=\"M0,0\"/>\n</svg>\n".into(),
+        "x,y\n0,1\n2,3\n".into(),
+        "{ \"version\": 1 }\n".into(),
+        "[package]\nname = \"x\"\n".into(),
+        "Koch1 { ; by hand\n  Angle 6\n  F=F+F--F+F\n}\n".into(),
+        "\0\0\0\0".into(),
+        "PNG\0\0\0\rIHDR\0\0\0".into(),
+    ] {
+        assert_eq!(codes(&text), [code::NO_RULE_FILE], "{}", shown(&errors(&text), &text));
+    }
+    assert_eq!(decode(b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR").unwrap_err().code, code::NO_RULE_FILE);
+    let error = decode(b"\xff\xfes\0y\0s\0").unwrap_err();
+    assert_eq!((error.code, error.message.as_str()), (code::INVALID_UTF8, "the file is UTF-16, not UTF-8"));
+    // Slips in one that is.
+    for text in [
+        "sytem s : curve\n",
+        "module A\n",
+        "foo\n// a leaf\n\n// by me\n\nsystem s : curve\naxiom: F\n",
+        "# a leaf\n# by me\n# in May\n# 2020\nsystem s : curve\naxiom: F\n",
+        "#define N 5\nderivation length: 5\nsystem s : curve\naxiom: F\n",
+        "Axiom: F\nderivation length: 3\n",
+        "const x = 1 1\n",
+        "system s : curve\nfoo\nfoo bar\nfoo foo\nbar\n",
+    ] {
+        assert!(!codes(text).contains(&code::NO_RULE_FILE) && !codes(text).is_empty(), "{text}");
+    }
 }
 
 #[test]
@@ -322,6 +420,23 @@ fn habits_of_other_systems_get_a_hint() {
         ("A -> B #", code::UNEXPECTED, "contexts"),
         ("modul A", code::UNKNOWN_WORD, "did you mean `module`?"),
         ("derive 3", code::UNKNOWN_WORD, "run:"),
+        ("1: A -> B", code::FOREIGN_RULE, "write `p1: …`"),
+        ("A -> B;", code::UNEXPECTED, "leave `;` out"),
+        ("A -> B;\n  B -> C;\n  C -> A;", code::UNEXPECTED, "in the lines below"),
+        ("A -> B; B -> C", code::UNEXPECTED, "one statement a line"),
+        ("; B becomes C", code::UNKNOWN_WORD, "write `//`"),
+        ("# B becomes C", code::UNKNOWN_WORD, "write `//`"),
+        ("# B becomes C\n  # C becomes A", code::UNKNOWN_WORD, "write `//`"),
+        ("#define N 5", code::UNKNOWN_WORD, "const NAME = 2"),
+        ("#iterate 5", code::UNKNOWN_WORD, "derive 5"),
+        ("X(a, b) : if a < 3 -> B", code::FOREIGN_RULE, "A(n) : n < 3 -> …"),
+        ("X(a, b) : if (a < 3) -> B", code::FOREIGN_RULE, "A(n) : n < 3 -> …"),
+        ("X(a, b) if a < 3 -> B", code::UNDECLARED_SYMBOL, "behind `:`"),
+        ("X(a, b) -> B if a < 3", code::UNDECLARED_SYMBOL, "behind `:`"),
+        ("if a < 3: X(a, b) -> B", code::UNDECLARED_SYMBOL, "behind `:`"),
+        ("if (a < 3) X(a, b) -> B", code::UNDECLARED_SYMBOL, "behind `:`"),
+        ("X(a, b) -> X(if a < 3 then 1 else 2, b)", code::FOREIGN_OPERATOR, "if(c, a, b)"),
+        ("derivation length: 5", code::UNKNOWN_WORD, "derive 5"),
     ] {
         refused(&curve(&format!("  {rule}")), code, hint);
     }
@@ -334,6 +449,29 @@ fn habits_of_other_systems_get_a_hint() {
     refused("const x = 3y", code::BAD_NUMBER, "3*y");
     refused("const x = 3 − 2", code::UNKNOWN_CHARACTER, "write `-`");
     refused("burgeon 2\nconst x = 3", code::VERSION, "burgeon 1");
+    for (line, hint) in [
+        ("#define N 5", "const NAME = 2"),
+        ("derivation length: 5", "derive 5"),
+        ("Axiom: F", "did you mean `axiom`?"),
+        ("production:", "rules:"),
+        ("F -> F F", "rules:"),
+        ("Apex -> F F", "rules:"),
+        ("Angle 6", "const angle"),
+        ("variables : A B", "module A, B"),
+        ("float x = 3", "const x = 2"),
+        ("uniform float x", "param x = 2"),
+        ("; A", "write `//`"),
+    ] {
+        refused(&format!("system s : curve\n{line}\nmodule A\naxiom: A\n"), code::UNKNOWN_WORD, hint);
+    }
+    refused("system s : curve\nignore: F\naxiom: F\n", code::UNEXPECTED, "without `:`");
+    for (step, hint) in
+        [("for i in 1 .. 3 {\n  }", "repeat"), ("else {\n  }", "opposite"), ("derive 1;", "`;`")]
+    {
+        let text = format!("system s : curve\naxiom: F\nrun:\n  {step}\n");
+        let errors = errors(&text);
+        assert!(errors[0].hint.as_ref().is_some_and(|said| said.contains(hint)), "{}", shown(&errors, &text));
+    }
 }
 
 #[test]
@@ -503,12 +641,12 @@ fn large_and_deep_files_take_little_time() {
         ("signs", format!("const x = {}1", "-".repeat(5 * MEGA)), Some(code::TOO_DEEP)),
         ("open", format!("const x = {}", "(".repeat(2 * MEGA)), Some(code::UNCLOSED_BRACKET)),
         ("close", ")".repeat(MEGA), Some(code::STRAY_BRACKET)),
-        ("mixed", "([{".repeat(MEGA), Some(code::UNCLOSED_BRACKET)),
-        ("crossed", "([)]".repeat(MEGA), Some(code::UNCLOSED_BRACKET)),
+        ("mixed", format!("const x = {}", "([{".repeat(MEGA)), Some(code::UNCLOSED_BRACKET)),
+        ("crossed", format!("const x = {}", "([)]".repeat(MEGA)), Some(code::UNCLOSED_BRACKET)),
         ("comments", "/*".repeat(MEGA), Some(code::BLOCK_COMMENT)),
         ("comment lines", "/*\n".repeat(MEGA), Some(code::BLOCK_COMMENT)),
-        ("quotes", "\"\n".repeat(MEGA), Some(code::UNCLOSED_STRING)),
-        ("arrows", "-> ".repeat(MEGA), Some(code::UNEXPECTED)),
+        ("quotes", format!("const x = {}", "\"\n".repeat(MEGA)), Some(code::UNCLOSED_STRING)),
+        ("arrows", format!("const x = {}", "-> ".repeat(MEGA)), Some(code::UNEXPECTED)),
         ("nested", format!("const x = {}1{}", "(".repeat(deep), ")".repeat(deep)), Some(code::TOO_DEEP)),
         ("lists", format!("const x = {}1{}", "[".repeat(deep), "]".repeat(deep)), Some(code::TOO_DEEP)),
         ("calls", format!("const x = {}1{}", "f(".repeat(deep), ")".repeat(deep)), Some(code::TOO_DEEP)),

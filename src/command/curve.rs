@@ -10,9 +10,16 @@ use super::{Failure, counted, flags, kinds, stop};
 use burgeon::curve::{Word, Words};
 use burgeon::io;
 use burgeon::io::curves::{self, Panel, Picture, Style};
+use burgeon::language::expr::Type;
+use burgeon::language::system::{Step, StepKind, Symbol};
+use burgeon::language::{Diagnostic, Span};
 use burgeon::plan::derive::{self, Backend, StepStats};
 use burgeon::plan::{Options, Plan, Progress};
+use std::path::Path;
 use std::time::Instant;
+
+/// What shows points; other formats hold any word.
+const DRAWINGS: [Format; 3] = [Format::Svg, Format::Png, Format::Obj];
 
 /// Derives and writes.
 pub fn run(flags: &flags::Run, loaded: Loaded, start: Instant) -> Result<(), Failure> {
@@ -27,6 +34,12 @@ pub fn run(flags: &flags::Run, loaded: Loaded, start: Instant) -> Result<(), Fai
     let progress = |p: Progress| bar.step(p);
     let options = run::options(&flags.derive, &job, &progress);
     let derived = derive(flags, &job, several, &options, &bar)?;
+    if let Some(target) = targets.iter().find(|target| DRAWINGS.contains(&target.format))
+        && derived.words.iter().any(has_no_point)
+    {
+        bar.clear();
+        return Err(untraced(&job, &target.path));
+    }
     let drawn = Drawn {
         control: if flags.control { control(&job, several)? } else { vec![Vec::new(); derived.words.len()] },
         combinations: several.map_or(1, |several| several.combinations),
@@ -46,6 +59,36 @@ pub fn run(flags: &flags::Run, loaded: Loaded, start: Instant) -> Result<(), Fai
     let words =
         several.map_or(String::new(), |_| format!("{}, ", counted(derived.words.len() as u64, "curve")));
     output::report(&targets, &format!("{}: {steps}, {words}{modules}", job.plan.system.name))
+}
+
+/// There are modules, and none of them stands anywhere.
+fn has_no_point(word: &Word) -> bool {
+    !word.modules.is_empty() && word.modules.iter().all(|module| module.position().is_none())
+}
+
+/// That a word of symbols alone is to be drawn.
+fn untraced(job: &Job, path: &Path) -> Failure {
+    fn trace(steps: &[Step]) -> Option<Span> {
+        steps.iter().find_map(|step| match &step.kind {
+            StepKind::Trace { .. } => Some(step.span),
+            StepKind::Repeat { body, .. } | StepKind::If { body, .. } => trace(body),
+            _ => None,
+        })
+    }
+    let system = &job.plan.system;
+    let message = format!("the word has no point that {} could show: it was never traced", path.display());
+    let last = system.run.last().map_or(system.source.name.span, |step| step.span);
+    let error = Diagnostic::error("E0408", last, message);
+    if let Some(trace) = trace(&system.run) {
+        return job.error(error.label(trace, "the run did not come to this step"));
+    }
+    let is_point = |symbol: &&Symbol| symbol.fields.iter().any(|f| matches!(f.ty, Type::Vec2 | Type::Vec3));
+    let hint = match system.symbols.iter().find(is_point) {
+        Some(point) => format!("write `trace into {}` as the last step of `run:`", point.name),
+        None => "write `trace into P` as the last step of `run:`, and declare the point: `module P(v: vec2)`"
+            .into(),
+    };
+    job.error(error.hint(hint))
 }
 
 /// What pictures show beside the words.

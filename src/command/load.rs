@@ -2,7 +2,7 @@
 
 use super::axiom::{self, Beginning, files};
 use super::source::{Loaded, Source};
-use super::{Failure, flags};
+use super::{Failure, counted, flags};
 use burgeon::curve;
 use burgeon::io::{NetOptions, ReadError, read_nets, values};
 use burgeon::language::expr::Type;
@@ -72,6 +72,11 @@ impl Job {
     /// The axiom once for each curve of its first file.
     pub fn each_curve(&self, input: Option<&Path>) -> Result<Vec<curve::Axiom>, Failure> {
         axiom::of_each_curve(&self.source, &self.plan.system, input).map_err(|e| e.failure(&self.source))
+    }
+
+    /// One error at a place of the rule file.
+    pub fn error(&self, d: Diagnostic) -> Failure {
+        self.source.error(d)
     }
 
     /// An error of the plan by whose fault it is, with the place where that is known.
@@ -154,6 +159,18 @@ fn failure(source: &Source, plan: &Plan, e: plan::Error) -> Failure {
         plan::Error::Unsupported(e) => source.unsupported(e),
         plan::Error::Value(text) => at(place_of_value(system, text), text),
         plan::Error::Axiom(text) => at(place_of_axiom(system), text),
+        plan::Error::Endless { symbol, rule, derive, needed, modules, step, budget } => {
+            let what = format!(
+                "this never becomes terminal: `{symbol}` is rewritten in every step, and leads to `{symbol}` again"
+            );
+            let (modules, needed, budget) = (counted(*modules, "module"), size(*needed), size(*budget));
+            let grown = format!(
+                "step {step} would need at least {needed} for {modules}; the memory budget is {budget}"
+            );
+            let hint =
+                "give the rule a condition that ends it, or say by `derive N` how many steps are meant";
+            source.error(Diagnostic::error("E0407", *rule, what).label(*derive, grown).hint(hint))
+        }
         _ => super::run::of_plan(e),
     }
 }

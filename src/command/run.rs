@@ -238,7 +238,10 @@ pub fn of_plan(e: plan::Error) -> Failure {
             let steps = counted(steps as u64, "step");
             Failure::Stopped(format!("error: stopped by Ctrl-C after {steps}; nothing was written"))
         }
-        plan::Error::Unsupported(_) | plan::Error::Value(_) | plan::Error::Axiom(_) => Failure::File(text),
+        plan::Error::Unsupported(_)
+        | plan::Error::Value(_)
+        | plan::Error::Axiom(_)
+        | plan::Error::Endless { .. } => Failure::File(text),
     }
 }
 

@@ -11,6 +11,9 @@ use burgeon::plan::{Plan, Unsupported};
 use std::io;
 use std::path::{Path, PathBuf};
 
+/// What is said of a file without systems.
+const BEGINNING: &str = "help: a system begins with `system NAME : patch bezier 3` or `system NAME : curve`";
+
 /// A rule file, read and checked.
 pub struct Source {
     pub path: PathBuf,
@@ -41,6 +44,13 @@ impl Source {
             }
         };
         let checked = compile(&text, &Vocabulary::default());
+        if checked.systems.is_empty() && checked.diagnostics.is_empty() {
+            let file = parse(&text).file;
+            if file.items.is_empty() && file.version.is_none() {
+                let what = if text.trim().is_empty() { "it is empty" } else { "it holds comments only" };
+                return Err(Failure::File(format!("error: {name} is no rule file: {what}\n{BEGINNING}")));
+            }
+        }
         Ok(Source { path: path.to_path_buf(), text, checked })
     }
 
@@ -94,10 +104,7 @@ impl Source {
                 let names = names.join(", ");
                 Err(Failure::Usage(format!("error: {path} has no system `{name}`; it has {names}{help}")))
             }
-            _ => {
-                let help = "help: a system begins with `system NAME : patch bezier 3`";
-                Err(Failure::File(format!("error: {path} holds no system\n{help}")))
-            }
+            _ => Err(Failure::File(format!("error: {path} holds no system\n{BEGINNING}"))),
         }
     }
 
@@ -125,6 +132,7 @@ fn unreadable_rules(path: &Path, e: &io::Error) -> Failure {
     let longer = PathBuf::from(format!("{}.burgeon", path.display()));
     let help = match e.kind() {
         io::ErrorKind::NotFound if longer.is_file() => format!("\nhelp: there is {}", longer.display()),
+        io::ErrorKind::IsADirectory => "\nhelp: name a rule file in it".to_string(),
         _ => String::new(),
     };
     Failure::File(format!("error: {}{help}", cannot_read(path, e)))

@@ -65,6 +65,8 @@ pub mod code {
     pub const MISPLACED_ITEM: &str = "E0119";
     /// `burgeon N` with an N that this version does not know, or not in the first line.
     pub const VERSION: &str = "E0120";
+    /// A file that is plainly none of rules: prose, markup, data, no text at all.
+    pub const NO_RULE_FILE: &str = "E0121";
     /// More errors than are worth listing.
     pub const TOO_MANY_ERRORS: &str = "E0199";
 

@@ -3,7 +3,7 @@
 //! The lexer knows characters only. Which newline ends a statement depends on the brackets around
 //! it and is settled behind it, in `parse::brackets`.
 
-use super::diagnostic::{Diagnostic, code};
+use super::diagnostic::{Diagnostic, Severity, code};
 use super::syntax::Span;
 
 /// How many errors of one file are listed; after that the rest is noise.
@@ -24,6 +24,10 @@ impl Findings {
         } else if self.overflow.is_none() {
             self.overflow = Some(diagnostic.span);
         }
+    }
+
+    pub fn any_error(&self) -> bool {
+        self.list.iter().any(|d| d.severity == Severity::Error)
     }
 
     pub fn is_full(&self) -> bool {
@@ -155,9 +159,29 @@ pub struct Token {
 pub fn decode(bytes: &[u8]) -> Result<&str, Diagnostic> {
     std::str::from_utf8(bytes).map_err(|error| {
         let at = error.valid_up_to();
+        if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
+            let message = "the file is UTF-16, not UTF-8";
+            return Diagnostic::error(code::INVALID_UTF8, Span::default(), message)
+                .hint("save the file as UTF-8");
+        }
+        if is_binary(bytes) {
+            return binary();
+        }
         let message = format!("the file is not UTF-8: byte {at} is 0x{:02x}", bytes[at]);
         Diagnostic::error(code::INVALID_UTF8, Span::new(at, at + 1), message).hint("save the file as UTF-8")
     })
+}
+
+/// Whether these are no text: many are zeros, or the first.
+pub(crate) fn is_binary(bytes: &[u8]) -> bool {
+    let zeros = bytes.iter().filter(|byte| **byte == 0).count();
+    bytes.first() == Some(&0) || zeros > bytes.len() / 512
+}
+
+/// Of a file that is no text.
+pub(crate) fn binary() -> Diagnostic {
+    Diagnostic::error(code::NO_RULE_FILE, Span::default(), "this is no rule file: it is no text")
+        .hint("a rule file has systems in it, which begin so: `system name : curve`")
 }
 
 /// Cuts the text into tokens. What is no token is reported and left out, or taken for what was

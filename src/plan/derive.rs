@@ -8,7 +8,7 @@
 
 use super::given::{Given, View};
 use super::schedule::{self, Derive};
-use super::size::{self, Bounds};
+use super::size::{self, Bounds, Endless};
 use super::step::Clock;
 use super::tables::{RulesOf, Stage, Tables};
 use super::{Error, Plan, Settings, links, turtle};
@@ -185,7 +185,15 @@ pub fn derive<S: Start, B: Backend>(
     let given = Given::behind(words, &plan.system, start.roots(), &options.bind, options.view)?;
     backend.bind(&values.uniforms, &given)?;
     let (records, nets) = start.modules(plan, &values, &each)?;
-    refuse_growth(plan, &records, &schedule, options)?;
+    // What several words have in common.
+    let common: &[Value] = match each.split_first() {
+        None => &values.uniforms,
+        Some((first, others)) if others.iter().all(|other| other.uniforms == first.uniforms) => {
+            &first.uniforms
+        }
+        Some(_) => &[],
+    };
+    refuse_growth(plan, common, &records, &schedule, options)?;
     let layout = plan.tables.layout;
     let modules = (records.len() / layout.record_words) as u64;
     let mut run = Run {
@@ -224,34 +232,55 @@ fn most_steps(schedule: &[Derive], options: &Options) -> u64 {
     options.steps.map_or(all, |s| all.min(s as u64))
 }
 
-/// Bounds of the word's size after each step, from the rules alone.
-pub fn bounds(plan: &Plan, records: &[u32], schedule: &[Derive], most: u64) -> Vec<Bounds> {
-    let mut axiom = vec![0u64; plan.tables.symbols.len()];
-    for record in records.chunks_exact(plan.tables.layout.record_words) {
-        axiom[(record[0] & 0xffff) as usize] += 1;
-    }
+/// Bounds of the word's size after each step, from the rules alone: up to an `until terminal`, which may end early.
+pub fn bounds(
+    plan: &Plan,
+    uniforms: &[Value],
+    records: &[u32],
+    schedule: &[Derive],
+    most: u64,
+) -> Vec<Bounds> {
     let sure = schedule.iter().take_while(|d| !d.until_terminal);
     let steps: Vec<usize> = sure
         .flat_map(|d| std::iter::repeat_n(d.rule_set, d.count.min(size::HORIZON as u32) as usize))
         .take(most.min(size::HORIZON as u64) as usize)
         .collect();
-    size::growth(&plan.tables, &axiom, &steps)
+    size::growth(&plan.tables, uniforms, &by_symbol(plan, records), &steps)
 }
 
-/// Refuses only what is sure not to fit. Steps behind an `until terminal` may never run, so the
-/// bounds end there.
-fn refuse_growth(plan: &Plan, records: &[u32], schedule: &[Derive], options: &Options) -> Result<(), Error> {
-    let module = plan.tables.layout.module_bytes();
-    let bounds = bounds(plan, records, schedule, most_steps(schedule, options));
-    match bounds.iter().position(|b| b.least.saturating_mul(module) > options.max_bytes) {
-        None => Ok(()),
-        Some(step) => Err(Error::Memory {
-            needed: bounds[step].least.saturating_mul(module),
-            modules: bounds[step].least,
-            step: step as u32,
-            budget: options.max_bytes,
-        }),
+/// The number of modules of each symbol.
+fn by_symbol(plan: &Plan, records: &[u32]) -> Vec<u64> {
+    let mut counts = vec![0u64; plan.tables.symbols.len()];
+    for record in records.chunks_exact(plan.tables.layout.record_words) {
+        counts[(record[0] & 0xffff) as usize] += 1;
     }
+    counts
+}
+
+/// Refuses only what is sure not to fit.
+fn refuse_growth(
+    plan: &Plan,
+    uniforms: &[Value],
+    records: &[u32],
+    schedule: &[Derive],
+    options: &Options,
+) -> Result<(), Error> {
+    let module = plan.tables.layout.module_bytes();
+    let budget = options.max_bytes;
+    let axiom = by_symbol(plan, records);
+    let most = most_steps(schedule, options);
+    let Some(excess) = size::excess(&plan.tables, uniforms, &axiom, schedule, most, budget / module) else {
+        return Ok(());
+    };
+    let (step, modules) = (excess.step as u32, excess.modules);
+    let needed = modules.saturating_mul(module);
+    Err(match excess.endless {
+        None => Error::Memory { needed, modules, step, budget },
+        Some(Endless { symbol, rule, derive }) => {
+            let symbol = plan.tables.symbols[symbol].name.clone();
+            Error::Endless { symbol, rule, derive: derive.span, needed, modules, step, budget }
+        }
+    })
 }
 
 struct Run<'a, B: Backend> {

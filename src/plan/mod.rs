@@ -3,6 +3,7 @@
 //! Start with [`layout`] (what a module is in memory), then [`step`] (one step, written once).
 
 pub mod bound;
+pub mod certain;
 pub mod code;
 pub mod collect;
 pub mod compare;
@@ -27,7 +28,7 @@ pub mod turtle;
 
 use crate::language::expr::Value;
 use crate::language::system::{Kind, System, Topology, UniformKind};
-use crate::language::{Type, eval};
+use crate::language::{Span, Type, eval};
 use std::sync::Arc;
 
 pub use derive::{Backend, Derivation, Options, Progress};
@@ -61,6 +62,12 @@ pub enum Error {
          the memory budget is {budget} bytes: derive fewer steps or raise it"
     )]
     Memory { needed: u64, modules: u64, step: u32, budget: u64 },
+    /// The same, at a step of a `derive until terminal`, where that makes the word so large since nothing ever ends it.
+    #[error(
+        "this never becomes terminal: `{symbol}` is rewritten in every step, and leads to `{symbol}` again; \
+         step {step} of the derive would need at least {needed} bytes ({modules} modules), the memory budget is {budget} bytes"
+    )]
+    Endless { symbol: String, rule: Span, derive: Span, needed: u64, modules: u64, step: u32, budget: u64 },
     /// A word with branches, or with symbols that contexts ignore, is one buffer.
     #[error(
         "the word would hold {modules} modules after step {step}; with branches or `ignore` it is one buffer, which holds {most}"

@@ -2,9 +2,9 @@
 
 use super::tables::RulesOf;
 use super::{Error, Plan, Settings};
-use crate::language::eval;
 use crate::language::expr::{Expr, Value};
 use crate::language::system::{Step, StepKind};
+use crate::language::{Span, eval};
 
 /// One `derive` of the schedule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,6 +15,8 @@ pub struct Derive {
     pub count: u32,
     /// Ends before the first step in which no rule fires.
     pub until_terminal: bool,
+    /// The step of `run:`.
+    pub span: Span,
 }
 
 /// Derives a schedule may unroll to, and steps one of them may ask for.
@@ -64,12 +66,12 @@ fn steps(
             StepKind::Derive { count, until_terminal, groups } => {
                 let count = number(count, uniforms, "derive")?;
                 let rule_set = rule_set(plan, &RulesOf::Groups(groups.clone()))?;
-                list.push(Derive { rule_set, count, until_terminal: *until_terminal });
+                list.push(Derive { rule_set, count, until_terminal: *until_terminal, span: step.span });
             }
             // A step of rules that the tables hold for it.
             StepKind::Trace { into } => {
                 let rule_set = rule_set(plan, &RulesOf::Trace(*into))?;
-                list.push(Derive { rule_set, count: 1, until_terminal: false });
+                list.push(Derive { rule_set, count: 1, until_terminal: false, span: step.span });
             }
             StepKind::Repeat { count, body } => {
                 for _ in 0..number(count, uniforms, "repeat")? {

@@ -4,8 +4,15 @@
 //! it where none has to. With h steps to go, a module of symbol s becomes at least
 //! min over outcomes Σ L(child, h−1) modules and at most the maximum of the same; the bounds of a
 //! word are the sums over its axiom. Where every symbol has one outcome both are exact.
+//!
+//! The lower bound holds of `derive until terminal` as of so many steps: one that ends early could as
+//! well go on keeping every module, and that is one of the ways of which it is the least.
 
-use super::tables::{RuleSet, Tables};
+use super::certain::{Certain, Fires};
+use super::schedule::Derive;
+use super::tables::{MatchRule, RuleSet, Tables};
+use crate::language::Span;
+use crate::language::expr::Value;
 
 /// Bounds of the number of modules after some step; saturating at `u64::MAX`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,9 +33,10 @@ pub const HORIZON: usize = 512;
 
 /// Bounds after each of the first `steps` steps, and of the axiom before them (index 0).
 ///
-/// `axiom[s]` is the number of modules of symbol s; `steps` are indices of rule sets.
-pub fn growth(tables: &Tables, axiom: &[u64], steps: &[usize]) -> Vec<Bounds> {
-    let outcomes: Vec<Outcomes> = tables.rule_sets.iter().map(|s| Outcomes::new(tables, s)).collect();
+/// `axiom[s]` is the number of modules of symbol s; `steps` are indices of rule sets. Where the uniforms are
+/// not known, none are given.
+pub fn growth(tables: &Tables, uniforms: &[Value], axiom: &[u64], steps: &[usize]) -> Vec<Bounds> {
+    let outcomes = Outcomes::of_all(tables, uniforms);
     let total = |least: &[u64], most: &[u64]| Bounds {
         least: weighted_sum(axiom, least),
         most: weighted_sum(axiom, most),
@@ -51,56 +59,229 @@ pub fn growth(tables: &Tables, axiom: &[u64], steps: &[usize]) -> Vec<Bounds> {
     bounds
 }
 
+/// A word that is sure to be too large.
+#[derive(Clone, Debug)]
+pub struct Excess {
+    /// After this step, of the run or, if that is endless, of the derive; an `until terminal` before it may end earlier.
+    pub step: u64,
+    pub modules: u64,
+    /// Where a `derive until terminal` makes it so large, why that never ends.
+    pub endless: Option<Endless>,
+}
+
+/// A symbol that is rewritten in every step, and comes of itself again.
+#[derive(Clone, Debug)]
+pub struct Endless {
+    pub symbol: usize,
+    pub rule: Span,
+    pub derive: Derive,
+}
+
+/// How many outcomes and children are looked at before nothing is said to be sure.
+const MOST_WORK: u64 = 1 << 25;
+
+/// The first step of a schedule after which the word is sure to have more modules than `limit`.
+pub fn excess(
+    tables: &Tables,
+    uniforms: &[Value],
+    axiom: &[u64],
+    schedule: &[Derive],
+    most_steps: u64,
+    limit: u64,
+) -> Option<Excess> {
+    let ones = vec![1u64; tables.symbols.len()];
+    let modules = weighted_sum(axiom, &ones);
+    if modules > limit {
+        return Some(Excess { step: 0, modules, endless: None });
+    }
+    let outcomes = Outcomes::of_all(tables, uniforms);
+    let (mut step, mut work, mut counted) = (0, 0, 0);
+    for (at, derive) in schedule.iter().enumerate() {
+        let mut least = ones.clone();
+        let (start_of_derive, end) = (counted, (step + u64::from(derive.count)).min(most_steps));
+        while step < end {
+            step += 1;
+            counted += 1;
+            let before = outcomes[derive.rule_set].back(&least, u64::min);
+            let settled = before == least;
+            least = before;
+            work += outcomes[derive.rule_set].work;
+            let mut start = least.clone();
+            for earlier in schedule[..at].iter().rev() {
+                work += outcomes[earlier.rule_set].back_all(&mut start, earlier.count);
+            }
+            let modules = weighted_sum(axiom, &start);
+            if modules > limit {
+                let endless = derive.until_terminal.then(|| {
+                    let symbol = grown(&outcomes, axiom, &schedule[..at], &least)?;
+                    outcomes[derive.rule_set].endless(symbol, &least, *derive)
+                });
+                let endless = endless.flatten();
+                let step = if endless.is_some() { counted - start_of_derive } else { counted };
+                return Some(Excess { step, modules, endless });
+            }
+            if work > MOST_WORK {
+                return None;
+            }
+            if settled {
+                // Of `until terminal` nobody knows how many more steps there are.
+                counted += if derive.until_terminal { 0 } else { end - step };
+                step = end;
+            }
+        }
+    }
+    None
+}
+
 fn weighted_sum(counts: &[u64], values: &[u64]) -> u64 {
     counts.iter().zip(values).fold(0, |sum: u64, (c, v)| sum.saturating_add(c.saturating_mul(*v)))
 }
 
-/// For every symbol the lists of children that may come of it, hidden symbols resolved.
-struct Outcomes(Vec<Vec<Vec<usize>>>);
+/// What the module of the axiom that becomes most has become, among others, after some derives: always the child that
+/// becomes most. `values` are the bounds behind them. None where the way there is too long to tell.
+fn grown(outcomes: &[Outcomes], axiom: &[u64], schedule: &[Derive], values: &[u64]) -> Option<usize> {
+    // For each derive the bounds behind it, then those before each of its steps, the last first, until they settle.
+    let mut all: Vec<Vec<Vec<u64>>> = Vec::with_capacity(schedule.len());
+    let mut values = values.to_vec();
+    for derive in schedule.iter().rev() {
+        let mut list = vec![values];
+        while list.len() <= derive.count as usize {
+            let before = outcomes[derive.rule_set].back(&list[list.len() - 1], u64::min);
+            if before == list[list.len() - 1] {
+                break;
+            }
+            list.push(before);
+            if list.len() > HORIZON {
+                return None;
+            }
+        }
+        values = list[list.len() - 1].clone();
+        all.push(list);
+    }
+    let mut symbol = most(&values, (0..axiom.len()).filter(|&symbol| axiom[symbol] > 0))?;
+    for (derive, list) in schedule.iter().zip(all.iter().rev()) {
+        let settled = list.len() - 1;
+        // Where they have settled, as many steps as there are symbols lead wherever more would.
+        let steps = (derive.count as usize).min(settled + axiom.len());
+        for left in (0..steps).rev() {
+            let values = &list[left.min(settled)];
+            symbol = most(values, outcomes[derive.rule_set].least(symbol, values)?.children.iter().copied())?;
+        }
+    }
+    Some(symbol)
+}
+
+/// The symbol that becomes most.
+fn most(values: &[u64], symbols: impl Iterator<Item = usize>) -> Option<usize> {
+    symbols.max_by_key(|&symbol| values[symbol])
+}
+
+/// What may come of a module.
+struct Outcome {
+    /// Hidden symbols resolved.
+    children: Vec<usize>,
+    /// None where the module is kept, or claimed.
+    rule: Option<Span>,
+}
+
+/// For every symbol what may come of it.
+struct Outcomes {
+    of: Vec<Vec<Outcome>>,
+    /// Of one step.
+    work: u64,
+}
 
 impl Outcomes {
-    fn new(tables: &Tables, set: &RuleSet) -> Outcomes {
-        let Some(first) = set.stages.first() else {
-            return Outcomes((0..tables.symbols.len()).map(|s| vec![vec![s]]).collect());
-        };
-        let of_symbol = |symbol: usize| {
-            let mut list = Vec::new();
-            // Claimed by a rule that begins before it.
-            list.extend(first.rules.iter().any(|rule| rule.others.contains(&symbol)).then(Vec::new));
-            for &id in &first.by_symbol[symbol] {
-                let rule = &first.rules[id];
-                for p in &first.productions[rule.productions.clone()] {
-                    let mut children = Vec::new();
-                    for cell in p.cells.iter().flatten() {
-                        resolve(set, cell.symbol, &mut children);
-                    }
-                    list.push(children);
-                }
-                // Nothing behind it is ever tried; one that may leave the module unchanged has the
-                // same count either way. Weights may all be 0, and then it does not match.
-                if rule.context.is_empty()
-                    && rule.others.is_empty()
-                    && rule.guards.is_empty()
-                    && rule.weights.is_empty()
-                {
-                    return list;
-                }
-            }
-            list.push(vec![symbol]);
-            list
-        };
-        Outcomes((0..tables.symbols.len()).map(of_symbol).collect())
+    fn of_all(tables: &Tables, uniforms: &[Value]) -> Vec<Outcomes> {
+        tables.rule_sets.iter().map(|set| Outcomes::new(tables, set, uniforms)).collect()
+    }
+
+    fn new(tables: &Tables, set: &RuleSet, uniforms: &[Value]) -> Outcomes {
+        let of: Vec<Vec<Outcome>> =
+            (0..tables.symbols.len()).map(|symbol| outcomes_of(symbol, set, uniforms)).collect();
+        let work = of.iter().flatten().map(|outcome| 1 + outcome.children.len() as u64).sum();
+        Outcomes { of, work }
     }
 
     /// The bounds one step earlier.
     fn back(&self, values: &[u64], choose: fn(u64, u64) -> u64) -> Vec<u64> {
-        let sum = |children: &Vec<usize>| children.iter().fold(0u64, |n, &c| n.saturating_add(values[c]));
-        self.0
-            .iter()
-            .enumerate()
-            .map(|(s, outcomes)| outcomes.iter().map(sum).reduce(choose).unwrap_or(values[s]))
-            .collect()
+        let sum = |outcome: &Outcome| outcome.sum(values);
+        let outcomes = self.of.iter().enumerate();
+        outcomes.map(|(s, list)| list.iter().map(sum).reduce(choose).unwrap_or(values[s])).collect()
     }
+
+    /// The lower bounds so many steps earlier; what that took.
+    fn back_all(&self, values: &mut Vec<u64>, steps: u32) -> u64 {
+        for step in 0..steps {
+            let before = self.back(values, u64::min);
+            if before == *values {
+                return u64::from(step + 1) * self.work;
+            }
+            *values = before;
+        }
+        u64::from(steps) * self.work
+    }
+
+    /// The outcome that becomes least.
+    fn least(&self, symbol: usize, values: &[u64]) -> Option<&Outcome> {
+        self.of[symbol].iter().min_by_key(|outcome| outcome.sum(values))
+    }
+
+    /// The symbol behind the growth: from one always to the child that becomes most, until one comes again.
+    fn endless(&self, mut symbol: usize, values: &[u64], derive: Derive) -> Option<Endless> {
+        let mut path: Vec<(usize, &Outcome)> = Vec::new();
+        let circle = loop {
+            if let Some(start) = path.iter().position(|(earlier, _)| *earlier == symbol) {
+                break &path[start..];
+            }
+            let least = self.least(symbol, values)?;
+            path.push((symbol, least));
+            symbol = most(values, least.children.iter().copied())?;
+        };
+        let (symbol, outcome) = circle.iter().find(|(_, outcome)| outcome.children.len() > 1)?;
+        Some(Endless { symbol: *symbol, rule: outcome.rule?, derive })
+    }
+}
+
+impl Outcome {
+    fn sum(&self, values: &[u64]) -> u64 {
+        self.children.iter().fold(0u64, |n, &child| n.saturating_add(values[child]))
+    }
+}
+
+fn outcomes_of(symbol: usize, set: &RuleSet, uniforms: &[Value]) -> Vec<Outcome> {
+    let kept = || Outcome { children: vec![symbol], rule: None };
+    let Some(first) = set.stages.first() else { return vec![kept()] };
+    let mut list = Vec::new();
+    // Claimed by a rule that begins before it.
+    let claims = |rule: &MatchRule| rule.others.contains(&symbol);
+    list.extend(first.rules.iter().any(claims).then(|| Outcome { children: Vec::new(), rule: None }));
+    let mut earlier = Vec::new();
+    for &id in &first.by_symbol[symbol] {
+        let rule = &first.rules[id];
+        let certain = Certain::new(rule, uniforms);
+        let fires = certain.fires(&earlier);
+        if fires == Fires::Never {
+            continue;
+        }
+        for (n, production) in first.productions[rule.productions.clone()].iter().enumerate() {
+            if certain.is_never_drawn(n) {
+                continue;
+            }
+            let mut children = Vec::new();
+            for cell in production.cells.iter().flatten() {
+                resolve(set, cell.symbol, &mut children);
+            }
+            list.push(Outcome { children, rule: Some(rule.span) });
+        }
+        // Nothing behind it is ever tried; one that may leave the module unchanged has the same count either way.
+        if fires == Fires::Always {
+            return list;
+        }
+        earlier.push(certain);
+    }
+    list.push(kept());
+    list
 }
 
 /// The visible symbols that come of `symbol` within the step.

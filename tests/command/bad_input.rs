@@ -64,7 +64,56 @@ fn rule_files_of_noise() {
         let ran = run(&folder, &file, &[]);
         ran.fails(1, &[&format!("{file}:1:")[..file.len() + 1]]);
         is_cut(&ran);
+        if name == "bytes" || name == "zeros" {
+            ran.says(&["error[E0121]: this is no rule file: it is no text"]);
+        }
     }
+}
+
+/// One error, not one for each line.
+#[test]
+fn files_that_are_no_rules() {
+    let folder = Folder::new();
+    let readme = include_str!("../../README.md");
+    folder.write("README.md", readme);
+    folder.write("notes.burgeon", "Notes of May.\nNothing here (yet) is a rule;\nit will be.\n");
+    folder.write("picture.burgeon", include_bytes!("../../examples/pictures/chaikin.png"));
+    folder.write("lines.svg.txt", "<svg>\n<path d=\"M0,0\"/>\n</svg>\n");
+    for file in ["README.md", "notes.burgeon", "picture.burgeon", "lines.svg.txt"] {
+        for command in ["check", "run", "wgsl"] {
+            let ran = folder.run_in_vain(&[command, file]);
+            ran.fails(
+                1,
+                &["error[E0121]: this is no rule file", &format!("{file}:1:1"), "`system name : curve`"],
+            );
+            assert_eq!(ran.stderr.matches("error").count(), 1, "{ran:?}");
+        }
+    }
+}
+
+/// Rules that nothing ends are named before they run.
+#[test]
+fn rules_without_end() {
+    let folder = Folder::new();
+    folder.write("s.burgeon", "system s : curve\nmodule A\naxiom: A\nrules:\n  A : 1 < 2 -> A A\nrun:\n  derive until terminal max 1000000\n");
+    let start = Instant::now();
+    let ran = run(&folder, "s.burgeon", &[]);
+    assert!(start.elapsed() < LIMIT / 8, "{:?}", start.elapsed());
+    let expected = "error[E0407]: this never becomes terminal: `A` is rewritten in every step, and leads to `A` again
+ --> s.burgeon:5:3
+  |
+5 |   A : 1 < 2 -> A A
+  |   ^^^^^^^^^^^^^^^^
+  |
+ ::: s.burgeon:7:3
+  |
+7 |   derive until terminal max 1000000
+  |   --------------------------------- step 23 would need at least 128.00 MiB for 8,388,608 modules; the memory budget is 64.00 MiB
+  |
+  = help: give the rule a condition that ends it, or say by `derive N` how many steps are meant
+";
+    assert_eq!(ran.fails(1, &[]).stderr, expected);
+    folder.run_in_vain(&["run", "s.burgeon", "--backend", "cpu", "--steps", "5"]).succeeds();
 }
 
 #[test]
@@ -149,7 +198,16 @@ fn nothing_to_run() {
     run(&folder, "gone.burgeon", &[]).fails(1, &["cannot read gone.burgeon: there is no such file"]);
     run(&folder, "quarters", &[]).fails(1, &["there is no such file", "help: there is quarters.burgeon"]);
     run(&folder, ".", &[]).fails(1, &["cannot read .: it is a folder"]);
-    for text in ["", "\n\n", "// nothing\n", "const a: int = 1\n", "burgeon 1\n"] {
+    for (text, what) in
+        [("", "it is empty"), ("\n \n", "it is empty"), ("// nothing\n", "it holds comments only")]
+    {
+        folder.write("empty.burgeon", text);
+        for command in ["run", "check"] {
+            let said = format!("error: empty.burgeon is no rule file: {what}\nhelp: a system begins with");
+            folder.run_in_vain(&[command, "empty.burgeon"]).fails(1, &[&said]);
+        }
+    }
+    for text in ["const a: int = 1\n", "burgeon 1\n"] {
         folder.write("empty.burgeon", text);
         run(&folder, "empty.burgeon", &[])
             .fails(1, &["empty.burgeon holds no system", "system NAME : patch"]);

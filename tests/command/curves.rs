@@ -100,3 +100,40 @@ fn points_are_no_rules() {
     let folder = with_points();
     folder.run_in_vain(&["run", "points.csv"]).fails(2, &["points.csv holds points, not rules"]);
 }
+
+/// A word of symbols shows nothing: that is told, and no file is written.
+#[test]
+fn a_turtle_that_was_never_traced_is_not_drawn() {
+    let folder = Folder::new();
+    let turtle = |modules: &str, run: &str| {
+        format!("system t : curve\nmodule {modules}\naxiom: F - X\nrules:\n  X -> F + X\nrun:\n  {run}\n")
+    };
+    let draw = |out: &str, more: &[&str]| {
+        let before = folder.files();
+        let ran = folder.run(&[&["run", "t.burgeon", "--backend", "cpu", "--out", out], more].concat());
+        assert!(ran.status == Some(0) || before == folder.files(), "{ran:?}");
+        ran
+    };
+    folder.write("t.burgeon", turtle("X", "derive 3"));
+    let expected = "error[E0408]: the word has no point that a.svg could show: it was never traced
+ --> t.burgeon:7:3
+  |
+7 |   derive 3
+  |   ^^^^^^^^
+  |
+  = help: write `trace into P` as the last step of `run:`, and declare the point: `module P(v: vec2)`
+";
+    assert_eq!(draw("a.svg", &[]).fails(1, &[]).stderr, expected);
+    for (out, more) in [("a.png", &[][..]), ("a.obj", &["--control"]), ("a_{}.svg", &["--seeds", "2"])] {
+        draw(out, more).fails(1, &["E0408", "`trace into P`"]);
+    }
+    // These write symbols, too.
+    for out in ["a.json", "a.csv"] {
+        draw(out, &[]).succeeds();
+    }
+    folder.write("t.burgeon", turtle("X, Dot(v: vec3)", "derive 3"));
+    draw("b.svg", &[]).fails(1, &["help: write `trace into Dot` as the last step of `run:`\n"]);
+    folder.write("t.burgeon", turtle("X, Dot(v: vec3)", "derive 3\n  trace into Dot"));
+    draw("b.svg", &["--steps", "2"]).fails(1, &["t.burgeon:8:3", "the run did not come to this step"]);
+    draw("b.svg", &[]).succeeds();
+}

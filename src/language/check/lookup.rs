@@ -11,6 +11,9 @@ use crate::language::syntax::Span;
 use crate::language::system::{Uniform, UniformKind};
 use crate::language::vocabulary::{Attribute, Owner};
 
+/// Names that shaders have for the time of a frame.
+const CLOCKS: [&str; 8] = ["time", "iTime", "uTime", "u_time", "now", "seconds", "elapsed", "frame_time"];
+
 impl<'a> Checker<'a> {
     pub(super) fn name(&mut self, scope: &mut Scope<'a>, name: &str, span: Span) -> Option<Operand> {
         match scope.locals.get(name) {
@@ -96,7 +99,10 @@ impl<'a> Checker<'a> {
             ));
             return;
         }
-        let hint = if self.query_ids.contains_key(name) {
+        let clock = CLOCKS.iter().any(|clock| clock.eq_ignore_ascii_case(name));
+        let hint = if clock {
+            Some(format!("declare `param {name}: float = 0`, which the host sets in each frame"))
+        } else if self.query_ids.contains_key(name) {
             Some(format!("bind the query before the predecessor: `?{name}(x)`"))
         } else if !ops::overloads(name).is_empty() {
             Some(format!("`{name}` is a function: write `{name}(…)`"))

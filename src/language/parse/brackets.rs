@@ -5,6 +5,7 @@
 //! and left out. So the parser behind it can skip a bracket in one step and one slip does not
 //! swallow the rest of the file.
 
+use super::lines::{Statement, continues};
 use crate::language::diagnostic::{Diagnostic, code};
 use crate::language::lex::{Bracket, Findings, Keyword, Token as RawToken, TokenKind};
 use crate::language::syntax::Span;
@@ -35,6 +36,7 @@ pub(super) fn pair(raw: &[RawToken], text: &str, findings: &mut Findings) -> Vec
         last_break: 0,
         repairs: Vec::new(),
         strays: Vec::new(),
+        semicolons: false,
     };
     matching.run();
     let Matching { mut repairs, mut strays, .. } = matching;
@@ -62,6 +64,8 @@ struct Matching<'a> {
     last_break: usize,
     repairs: Vec<Repair>,
     strays: Vec<usize>,
+    /// One at the end of a statement has been reported.
+    semicolons: bool,
 }
 
 impl Matching<'_> {
@@ -73,6 +77,7 @@ impl Matching<'_> {
                     self.counts[bracket as usize] += 1;
                 }
                 TokenKind::Close(bracket) => self.close(at, bracket),
+                TokenKind::Semicolon if self.open.is_empty() && self.ends_line(at) => self.semicolon(at),
                 TokenKind::Arrow | TokenKind::End => self.abandon(at, 0),
                 TokenKind::Keyword(keyword) if keyword.begins_item() && self.begins_line(at) => {
                     let keep = if keyword == Keyword::Place { self.inner_braces(at) } else { 0 };
@@ -82,6 +87,21 @@ impl Matching<'_> {
                 _ => {}
             }
         }
+    }
+
+    fn ends_line(&self, at: usize) -> bool {
+        let next = self.raw.get(at + 1).map_or(TokenKind::End, |token| token.kind);
+        !self.begins_line(at) && matches!(next, TokenKind::Newline | TokenKind::End)
+    }
+
+    /// `;` at the end of a statement: the first is reported, all are left out.
+    fn semicolon(&mut self, at: usize) {
+        if !std::mem::replace(&mut self.semicolons, true) {
+            let message = "a statement ends with its line, not with `;`";
+            let error = Diagnostic::error(code::UNEXPECTED, self.raw[at].span, message);
+            self.findings.push(error.hint("leave `;` out, here and in the lines below"));
+        }
+        self.strays.push(at);
     }
 
     fn begins_line(&self, at: usize) -> bool {
@@ -144,17 +164,6 @@ impl Matching<'_> {
     }
 }
 
-/// A line that begins so goes on with the statement before it.
-fn continues(kind: TokenKind) -> bool {
-    matches!(
-        kind,
-        TokenKind::Keyword(Keyword::Let | Keyword::At | Keyword::On)
-            | TokenKind::Colon
-            | TokenKind::Arrow
-            | TokenKind::Equal
-    )
-}
-
 struct Frame {
     opening: usize,
     bracket: Bracket,
@@ -166,6 +175,7 @@ fn assemble(raw: &[RawToken], text: &str, repairs: &[Repair], strays: &[usize]) 
     let mut unclosed: Vec<usize> = repairs.iter().map(|r| r.opening).collect();
     unclosed.sort_unstable();
     let mut assembly = Assembly { tokens: Vec::with_capacity(raw.len()), frames: Vec::new(), suspects: 0 };
+    let mut statement = Statement::default();
     let (mut repairs, mut strays, mut unclosed) =
         (repairs.iter().peekable(), strays.iter().peekable(), unclosed.iter().peekable());
     // The next token may seem wrong only because of a bracket that was put in or left out.
@@ -182,8 +192,14 @@ fn assemble(raw: &[RawToken], text: &str, repairs: &[Repair], strays: &[usize]) 
             continue;
         }
         let next = raw.get(at + 1).map_or(TokenKind::End, |t| t.kind);
-        if token.kind == TokenKind::Newline && (continues(next) || assembly.inside_line()) {
-            continue;
+        if token.kind == TokenKind::Newline {
+            let goes_on = || continues(next) || statement.goes_on(raw, text, at, !assembly.frames.is_empty());
+            if assembly.inside_line() || goes_on() {
+                continue;
+            }
+            statement = Statement::default();
+        } else if !assembly.inside_line() {
+            statement.add(at, token.kind);
         }
         let suspect = unclosed.next_if(|u| **u == at).is_some();
         assembly.add(token.kind, token.span, suspect);

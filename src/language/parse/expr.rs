@@ -134,6 +134,7 @@ impl Parser<'_> {
     }
 
     fn named(&mut self) -> Parse<Tree> {
+        self.if_without_brackets()?;
         let token = self.bump();
         let text = self.text_of(token);
         if self.take_open(Bracket::Round) {

@@ -1,8 +1,7 @@
 //! The declarations of a system.
 
-use super::system::ITEMS;
 use super::{Parse, Parser, TokenKind};
-use crate::language::diagnostic::{Diagnostic, code, nearest};
+use crate::language::diagnostic::{Diagnostic, code};
 use crate::language::lex::{Bracket, Keyword};
 use crate::language::syntax::{
     Axiom, AxiomKind, Const, Element, Field, Item, Kind, MeshStart, ModuleDecl, Name, Number, Param, Place,
@@ -125,6 +124,10 @@ impl Parser<'_> {
 
     fn ignore(&mut self) -> Parse<Vec<Name>> {
         self.bump();
+        if self.peek() == TokenKind::Colon {
+            let error = self.unexpected("a symbol").hint("write `ignore + -`, without `:`");
+            return self.stop(error);
+        }
         let mut symbols = vec![self.symbol("a symbol")?];
         while !self.at_end_of_statement() {
             symbols.push(self.symbol("a symbol")?);
@@ -295,7 +298,9 @@ impl Parser<'_> {
     /// The next line is no `mod = …`, but begins with nearly a keyword.
     fn begins_misspelt_item(&self) -> bool {
         let next = self.token_at(self.at + 1);
-        next.kind == TokenKind::Name && !self.is_symbol(next) && nearest(self.text_of(next), ITEMS).is_some()
+        next.kind == TokenKind::Name
+            && !self.is_symbol(next)
+            && self.nearest_item(self.text_of(next)).is_some()
     }
 
     fn only_words(&mut self) -> Parse<()> {

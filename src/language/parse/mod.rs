@@ -9,7 +9,10 @@
 
 mod brackets;
 mod expr;
+mod foreign;
+mod habits;
 mod item;
+mod lines;
 mod rule;
 mod run;
 mod symbols;
@@ -57,6 +60,10 @@ pub fn parse(text: &str) -> Parsed {
             diagnostics: findings.finish(),
         };
     }
+    if lex::is_binary(text.as_bytes()) {
+        let file = RuleFile { version: None, items: Vec::new() };
+        return Parsed { file, diagnostics: vec![lex::binary()] };
+    }
     let raw = lex::lex(text, &mut findings);
     let tokens = brackets::pair(&raw, text, &mut findings);
     drop(raw);
@@ -73,8 +80,15 @@ pub fn parse(text: &str) -> Parsed {
         undeclared: HashSet::new(),
         systems: HashSet::new(),
         rule_count: 0,
+        rule_before: None,
+        in_rules: false,
+        told: HashSet::new(),
+        foreign: foreign::Foreign::default(),
     };
     let file = parser.file();
+    if let Some(finding) = parser.no_rule_file() {
+        return Parsed { file: RuleFile { version: None, items: Vec::new() }, diagnostics: vec![finding] };
+    }
     Parsed { file, diagnostics: parser.findings.finish() }
 }
 
@@ -102,6 +116,13 @@ struct Parser<'t> {
     systems: HashSet<&'t str>,
     /// Rules of the system so far.
     rule_count: usize,
+    /// The last token of the rule before the statement at hand.
+    rule_before: Option<Span>,
+    /// Under `rules:`.
+    in_rules: bool,
+    /// Habits that have been told of.
+    told: HashSet<String>,
+    foreign: foreign::Foreign,
 }
 
 impl<'t> Parser<'t> {
@@ -249,7 +270,7 @@ impl<'t> Parser<'t> {
     /// The end of the statement, and the newlines behind it.
     fn end_of_statement(&mut self) -> Parse<()> {
         if !self.at_end_of_statement() {
-            let error = self.unexpected("the end of the line");
+            let error = self.behind_statement().unwrap_or_else(|| self.unexpected("the end of the line"));
             return self.stop(error);
         }
         self.skip_newlines();

@@ -1,9 +1,8 @@
 //! Rules: labels, predecessors with their contexts, conditions, alternatives.
 
 use super::symbols::is_operator_symbol;
-use super::system::ITEMS;
 use super::{MAX_RULES, Parse, Parser, TokenKind};
-use crate::language::diagnostic::{Diagnostic, code, nearest};
+use crate::language::diagnostic::{Diagnostic, code};
 use crate::language::lex::{Bracket, Keyword, excerpt};
 use crate::language::syntax::{
     Alternative, ContextPart, Expr, Kind, LeftContext, Name, Pattern, PatternArg, PatternTag, Predecessor,
@@ -20,6 +19,8 @@ impl Parser<'_> {
         };
         self.section_colon()?;
         let mut rules = Vec::new();
+        self.in_rules = true;
+        self.rule_before = None;
         loop {
             self.skip_newlines();
             match self.peek() {
@@ -27,10 +28,14 @@ impl Parser<'_> {
                 TokenKind::Keyword(keyword) if keyword.begins_item() => break,
                 _ => {}
             }
-            if let Some(Some(rule)) = self.statement(Self::rule) {
+            let rule = self.statement(Self::rule).flatten();
+            self.rule_before =
+                rule.as_ref().map(|rule| Span { start: rule.span.end.saturating_sub(1), ..rule.span });
+            if let Some(rule) = rule {
                 self.keep_rule(rule, &mut rules);
             }
         }
+        self.in_rules = false;
         Ok(Rules { group, rules, span: self.span_from(start) })
     }
 
@@ -46,7 +51,9 @@ impl Parser<'_> {
 
     /// One rule; nothing for `# -> #`, which does nothing.
     fn rule(&mut self) -> Parse<Option<Rule>> {
+        self.foreign_beginning()?;
         self.no_rule()?;
+        self.numeric_label();
         let start = self.token().span;
         let label = self.label();
         if self.take_idle_rule() {
@@ -56,7 +63,7 @@ impl Parser<'_> {
         let predecessor = self.predecessor()?;
         let lets = self.lets()?;
         let condition = self.condition()?;
-        self.before_arrow()?;
+        self.before_arrow(start)?;
         let mut alternatives = Vec::new();
         while self.peek() == TokenKind::Arrow {
             alternatives.push(self.alternative()?);
@@ -98,7 +105,7 @@ impl Parser<'_> {
 
     /// Whether the token stands between place `at` and the next `->` or the end of the statement,
     /// outside of brackets.
-    fn statement_holds(&self, mut at: usize, kind: TokenKind) -> bool {
+    pub(super) fn statement_holds(&self, mut at: usize, kind: TokenKind) -> bool {
         loop {
             let token = self.token_at(at);
             match token.kind {
@@ -332,6 +339,7 @@ impl Parser<'_> {
                 .hint("a rule without condition needs no `:`");
             return self.stop(error);
         }
+        self.condition_with_if()?;
         let condition = self.expr()?;
         if self.peek() == TokenKind::Keyword(Keyword::Let) {
             let error =
@@ -342,11 +350,16 @@ impl Parser<'_> {
         Ok(Some(condition))
     }
 
-    fn before_arrow(&mut self) -> Parse<()> {
+    fn before_arrow(&mut self, start: Span) -> Parse<()> {
         if self.peek() == TokenKind::Arrow {
             return Ok(());
         }
-        let error = if self.peek() == TokenKind::Equal {
+        let line = self.span_from(start);
+        let error = if self.at_end_of_statement()
+            && let Some(error) = self.line_without_arrow(line)
+        {
+            error
+        } else if self.peek() == TokenKind::Equal {
             Diagnostic::error(code::FOREIGN_RULE, self.token().span, "a rule is not written with `=`")
                 .hint("write `->`")
         } else {
@@ -393,7 +406,7 @@ impl Parser<'_> {
                 Diagnostic::error(code::UNEXPECTED, span, message)
                     .hint("write `{ slot: MODULE }` behind a template to name its faces")
             }
-            _ => self.unexpected("the end of the rule"),
+            _ => self.behind_statement().unwrap_or_else(|| self.unexpected("the end of the rule")),
         };
         self.stop(error)
     }
@@ -420,17 +433,20 @@ impl Parser<'_> {
             return Ok(());
         }
         let text = self.text_of(token);
-        let hint = match nearest(text, ITEMS) {
+        let hint = match self.nearest_item(text) {
             Some(item) => format!("did you mean `{item}`?"),
             None if super::run::is_step(text) => "steps stand under `run:`".into(),
-            None => return Ok(()),
+            None => match super::habits::meant_by(text) {
+                Some(hint) => hint.into(),
+                None => return Ok(()),
+            },
         };
         let message = format!("`{}` begins no rule", excerpt(text));
         let error = Diagnostic::error(code::UNKNOWN_WORD, token.span, message).hint(hint);
         self.stop(error)
     }
 
-    fn has_arrow(&self) -> bool {
+    pub(super) fn has_arrow(&self) -> bool {
         self.statement_holds(self.at, TokenKind::Arrow)
     }
 }

@@ -43,6 +43,7 @@ impl Parser<'_> {
     }
 
     fn step(&mut self) -> Parse<Step> {
+        self.foreign_beginning()?;
         let token = self.bump();
         let kind = match self.text_of(token) {
             "derive" => self.derive(),
@@ -73,6 +74,7 @@ impl Parser<'_> {
         let text = self.text_of(token);
         let hint = match nearest(text, STEPS) {
             Some(step) => format!("did you mean `{step}`?"),
+            None if let Some(hint) = super::habits::meant_by(text) => hint.into(),
             None => format!("the steps are {}", STEPS.map(|s| format!("`{s}`")).join(", ")),
         };
         let message = format!("there is no step `{}`", excerpt(text));

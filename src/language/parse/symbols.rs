@@ -10,6 +10,9 @@ use std::collections::HashSet;
 /// The turtle symbols that are names; the others are operators.
 const TURTLE_NAMES: [&str; 2] = ["F", "f"];
 
+/// What other languages have before a condition.
+const BEFORE_CONDITIONS: [&str; 3] = ["if", "when", "where"];
+
 /// Among more symbols than these no near name is looked for.
 const MOST_COMPARED: usize = 1000;
 
@@ -102,6 +105,10 @@ impl<'t> Parser<'t> {
         if self.is_symbol(token) || is_operator_symbol(token.kind) || token.kind == TokenKind::Name {
             if !self.is_symbol(token) {
                 self.undeclared(token);
+                if BEFORE_CONDITIONS.contains(&self.text_of(token)) {
+                    // What follows is a condition, and no symbols.
+                    return Err(super::Stop);
+                }
             }
             self.bump();
             return Ok(Name { text: self.text_of(token).to_owned(), span: token.span });
@@ -131,7 +138,7 @@ impl<'t> Parser<'t> {
         if let Some(spaced) = self.spaced(text) {
             return format!("symbols need spaces between them: write `{spaced}`");
         }
-        if matches!(text, "if" | "when" | "where") {
+        if BEFORE_CONDITIONS.contains(&text) {
             return "write the condition behind `:`, before `->`".into();
         }
         if self.peek_at(1) == TokenKind::Colon && self.begins_line() {

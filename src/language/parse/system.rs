@@ -22,12 +22,17 @@ impl Parser<'_> {
         let mut items = Vec::new();
         loop {
             self.skip_newlines();
+            let start = self.at;
             match self.peek() {
                 TokenKind::End => break,
                 TokenKind::Keyword(Keyword::System) => {
+                    self.survey(start);
                     items.extend(self.system().map(FileItem::System));
                 }
-                _ => items.extend(self.statement(Self::file_item)),
+                _ => {
+                    items.extend(self.statement(Self::file_item));
+                    self.survey(start);
+                }
             }
             if self.findings.is_full() {
                 break;
@@ -220,17 +225,21 @@ impl Parser<'_> {
     }
 
     pub(super) fn unknown_item<T>(&mut self) -> Parse<T> {
+        self.foreign_beginning()?;
         let token = self.token();
         if token.kind != TokenKind::Name {
             let error = self.unexpected("a declaration");
             return self.stop(error);
         }
         let text = self.text_of(token);
-        let (code, hint) = match nearest(text, ITEMS) {
+        let (code, hint) = match self.nearest_item(text) {
             Some(item) => (code::UNKNOWN_WORD, format!("did you mean `{item}`?")),
             None if text == "burgeon" => (code::VERSION, "`burgeon 1` is the first line of a file".into()),
             None if super::run::is_step(text) => (code::UNKNOWN_WORD, "steps stand under `run:`".into()),
-            None if self.is_symbol(token) => (code::UNKNOWN_WORD, "rules stand under `rules:`".into()),
+            None if self.is_symbol(token) || self.has_arrow() => {
+                (code::UNKNOWN_WORD, "rules stand under `rules:`".into())
+            }
+            None if let Some(hint) = super::habits::meant_by(text) => (code::UNKNOWN_WORD, hint.into()),
             None => (
                 code::UNKNOWN_WORD,
                 format!("declarations begin with {}", ITEMS.map(|i| format!("`{i}`")).join(", ")),
