@@ -11,6 +11,7 @@ mod gpu;
 #[path = "no_gpu.rs"]
 mod gpu;
 mod kernels;
+mod measured;
 mod patches;
 mod report;
 mod systems;

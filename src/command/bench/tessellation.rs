@@ -1,6 +1,6 @@
 //! Cases of watertight tessellations: a frame and its parts, on any backend.
 
-use super::{Case, Failure, kernels::infallible, threads};
+use super::{Case, Failure, kernels::infallible, measured, threads};
 use crate::command::counted;
 use burgeon::cpu::tessellate::Tessellator;
 use burgeon::patch::Net;
@@ -14,6 +14,9 @@ pub(super) const TOLERANCE: f32 = 0.0025;
 pub(super) const FINE: f32 = 0.0001;
 
 pub(super) const FINE_VERTICES: &str = "vertices of 32 bytes, within 0.0001";
+
+/// Patches of a model that is measured.
+const MOST_MEASURED: usize = 2000;
 
 /// Copies of the model along x and along z, in the crowd.
 const CROWD: usize = 100;
@@ -79,6 +82,15 @@ pub(super) fn cpu_cases<'a>(roots: &[Net], crowd: &[Net], cases: &mut Vec<Case<'
         counted(triangles, "triangle"),
         u64::from(s.nodes) * 44 / vertices.max(1),
     ));
+    if let Some(uniform) = (roots.len() <= MOST_MEASURED).then(|| measured::uniform(roots, &level)).flatten()
+    {
+        super::super::say(&format!(
+            "it is {:.1e} off where it was sampled; as near is uniform dicing of each patch in {}, of all alike in {}",
+            uniform.distance,
+            counted(uniform.by_patch, "triangle"),
+            counted(uniform.by_model, "triangle"),
+        ));
+    }
     let mut add = |case: &str, bytes: u64, items: u64, run: Box<dyn FnMut() -> Result<_, Failure>>| {
         cases.push(Case {
             name: "tessellate",
