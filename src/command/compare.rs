@@ -13,6 +13,7 @@ pub fn compare(flags: &flags::Compare) -> Result<(), Failure> {
     use burgeon::plan::{Plan, Progress, derive};
 
     let job = super::load::job(&flags.derive, Plan::new)?;
+    job.say_notes();
     let requirement = flags.derive.machine.adapter.as_deref().map_or(Requirement::Any, Requirement::Named);
     let device = Headless::new(requirement).map_err(of_gpu)?;
     let engine = Engine::new(&device.device, &device.queue);

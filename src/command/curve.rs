@@ -34,6 +34,9 @@ pub fn run(flags: &flags::Run) -> Result<(), Failure> {
     }
     let job =
         load::job(&flags.derive, if flags.words.flag().is_some() { Plan::of_words } else { Plan::new })?;
+    if !flags.words.each {
+        job.say_notes();
+    }
     let several = flags.words.flag().map(|_| words::several(flags, &job)).transpose()?;
     let several = several.as_ref();
     stop::watch();

@@ -46,15 +46,15 @@ Examples:
 pub struct Run {
     #[command(flatten)]
     pub derive: Derive,
-    /// Write the result, by extension: .bpt and .bv the nets, .json the exact word, .obj, .ply and .glb
-    /// triangles, .png a picture; curves as .svg, .png, .obj, .csv and .json; may be given several times. Of several
+    /// Write the result, by extension: .bpt and .bv the nets, .json the exact word, .obj, .ply, .glb and
+    /// .stl triangles, .png a picture; curves as .svg, .png, .obj, .csv and .json; may be given several times. Of several
     /// curves (--sweep, --seeds, --each) all go into one file, or where its name holds {} each into its own
     #[arg(long, value_name = "FILE")]
     pub out: Vec<PathBuf>,
     /// Where it runs: auto takes a hardware adapter, else a software one, else the CPU backend
     #[arg(long, value_name = "WHERE", value_enum, default_value_t = Backend::Auto)]
     pub backend: Backend,
-    /// Cells along each side of a patch in .obj, .ply, .glb and .png, two triangles each; halved until the model
+    /// Cells along each side of a patch in .obj, .ply, .glb, .stl and .png, two triangles each; halved until the model
     /// has at most 2 million; not with --tolerance
     #[arg(long, value_name = "N", default_value_t = 8, conflicts_with = "tolerance", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=256))]
     pub grid: u32,
@@ -118,7 +118,7 @@ pub struct Tessellate {
     pub fineness: Fineness,
     #[command(flatten)]
     pub view: View,
-    /// Write the triangles, by extension: .obj, .ply, .glb, or .png a picture; may be given several times
+    /// Write the triangles, by extension: .obj, .ply, .glb, .stl, or .png a picture; may be given several times
     #[arg(long, value_name = "FILE")]
     pub out: Vec<PathBuf>,
     /// Where it runs: auto takes a hardware adapter, else a software one, else the CPU backend

@@ -17,17 +17,19 @@ pub enum Format {
     Obj,
     Ply,
     Glb,
+    Stl,
     Png,
 }
 
 /// What nets are written as, then what triangles are.
-pub const ALL: [(&str, Format); 7] = [
+pub const ALL: [(&str, Format); 8] = [
     ("bpt", Format::Bpt),
     ("bv", Format::Bv),
     ("json", Format::Json),
     ("obj", Format::Obj),
     ("ply", Format::Ply),
     ("glb", Format::Glb),
+    ("stl", Format::Stl),
     ("png", Format::Png),
 ];
 
@@ -139,6 +141,7 @@ pub fn write(
             (Format::Glb, Ok(shape)) => {
                 file(&target.path, |w| io::glb::write(w, &shape.mesh, name, look.up()))
             }
+            (Format::Stl, Ok(shape)) => file(&target.path, |w| io::stl::write(w, &shape.mesh, name)),
             (Format::Png, Ok(shape)) => picture(&target.path, shape, look),
             (_, Err(why)) => Err(Failure::Device(format!("error: {}: {why}", target.path.display()))),
         };

@@ -32,6 +32,7 @@ pub fn run(flags: &flags::Run) -> Result<(), Failure> {
     }
     // A mesh needs to know where holes are.
     let job = load::job(&flags.derive, if watertight { Plan::keeping_holes } else { Plan::new })?;
+    job.say_notes();
     if let (false, Some(placement)) = (watertight, &job.plan.placement) {
         say(&format!(
             "note: `place {}` displaces the mesh that --tolerance makes; without it nothing is displaced",
