@@ -73,7 +73,13 @@ fn nets(text: &[u8], rational: bool) -> Result<Noted<Vec<Net>>, Wrong> {
                 first_skipped
                     .get_or_insert_with(|| token.wrong(Problem::Kind { patch: nets.len(), kind, name }));
                 skipped.add(&format!("{name} (kind {number})"));
-                skip(&mut tokens, number, nets.len())?;
+                let left_out = skip(&mut tokens, number);
+                // A file that is of other kinds from its beginning is wrong in that.
+                if !nets.is_empty() {
+                    left_out?;
+                } else if left_out.is_err() {
+                    break;
+                }
             }
             kind => nets.push(net(&mut tokens, kind, nets.len(), rational)?),
         }
@@ -125,8 +131,8 @@ fn group(tokens: &mut Tokens) -> Result<(), Wrong> {
 }
 
 /// Leaves out a patch of this kind.
-fn skip(tokens: &mut Tokens, kind: u32, patch: usize) -> Result<(), Wrong> {
-    let element = Element::Skipped { patch };
+fn skip(tokens: &mut Tokens, kind: u32) -> Result<(), Wrong> {
+    let element = Element::Skipped;
     let count = |tokens: &mut Tokens| {
         let token = tokens.expect(element)?;
         let wrong = || token.wrong(Problem::NotACount { expected: element, found: token.shown() });

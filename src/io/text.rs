@@ -91,11 +91,11 @@ pub enum Problem {
     Corner { face: Element, found: String },
     #[error("{face} names the vertex {found}, but the file has {vertices}")]
     NoVertex { face: Element, found: String, vertices: usize },
-    #[error("{line} has {found} vertices; a line has two at least")]
+    #[error("{line} has {found} of the two vertices that a line has at least")]
     ShortLine { line: Element, found: usize },
     #[error(transparent)]
     Grid(GridError),
-    #[error("{found} columns in this row, and {first} in the first: all points have as many")]
+    #[error("columns of this row: {found}, of the first: {first}; all points have as many")]
     Row { found: usize, first: usize },
     #[error(
         "{found} where a point is {wanted}, with commas between the columns and points in decimals, as in 0.5,1.5"
@@ -146,10 +146,8 @@ pub enum Element {
     },
     /// The number of one in a `.bv`.
     Group,
-    /// A number of a `.bv` in a patch of a kind that is not read, after this many that are.
-    Skipped {
-        patch: usize,
-    },
+    /// A number of a `.bv` in a patch of a kind that is not read.
+    Skipped,
     /// Direction 0 is u (rows), 1 is v (columns).
     Degree {
         patch: usize,
@@ -200,9 +198,7 @@ impl fmt::Display for Element {
             Element::Count => f.write_str("the number of patches"),
             Element::Kind { patch } => write!(f, "the kind of patch {patch}"),
             Element::Group => f.write_str("the number of a group"),
-            Element::Skipped { patch } => {
-                write!(f, "a number of what stands after {patch} patches, of a kind that is skipped,")
-            }
+            Element::Skipped => f.write_str("a number of a patch of a kind that is not read"),
             Element::Degree { patch, direction } => {
                 write!(f, "the degree along {} of patch {patch}", ["u", "v"][direction])
             }

@@ -42,7 +42,7 @@ fn bad_files_of_points_are_shown_with_their_place() {
     let folder = with_points();
     let cases = [
         ("none.csv", "", "none.csv:1:1: the file ends where point 0 should stand"),
-        ("short.csv", "0,0\n1\n", "short.csv:2:1: 1 columns in this row, and 2 in the first"),
+        ("short.csv", "0,0\n1\n", "short.csv:2:1: columns of this row: 1, of the first: 2"),
         ("nan.csv", "0,0\n1,nan\n", "nan.csv:2:3: y of point 1 is `nan`; coordinates must be finite"),
         ("none.obj", "# nothing\n", "none.obj:1:10: the file ends where vertex 1 should stand"),
         ("none.svg", "", "none.svg:1:1: the file is empty"),

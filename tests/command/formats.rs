@@ -151,7 +151,11 @@ fn bad_files() {
     let long = |text: &str| text.repeat(10_000_000 / text.len());
     let cases: Vec<(&str, String, &[&str])> = vec![
         ("bv", String::new(), &["bad.bv:1:1: the file ends where the kind of patch 0"]),
-        ("bv", "3\n2\n".into(), &["bad.bv:1:1", "of kind 3, a triangular patch; kinds 4, 5 and 8", "1 | 3"]),
+        (
+            "bv",
+            "3\n2\n".into(),
+            &["bad.bv:1:1", "patch 0 is a triangular patch, of kind 3; kinds 4, 5 and 8", "1 | 3"],
+        ),
         ("bv", bilinear.replace("1 1 0", "1 x 0"), &["bad.bv:6:3", "`x`", "6 | 1 x 0"]),
         ("bv", bilinear.into(), &["patch 0 of bad.bv", "1×1", "3×3"]),
         ("bv", "8\n1 1\n0 0 0 2".into(), &["bad.bv:3:7", "weights must be 1", "3 | 0 0 0 2"]),

@@ -122,7 +122,6 @@ fn a_weight_of_one_is_no_weight() {
 fn refusals_each_with_its_place() {
     let own = String::from;
     let kind = |kind: &str, name| Kind { patch: 0, kind: kind.into(), name };
-    let skipped = Element::Skipped { patch: 0 };
     let coordinate = |point, axis| Element::Coordinate { patch: 0, point, axis };
     let degree = |patch, direction| Element::Degree { patch, direction };
     let table = [
@@ -140,10 +139,16 @@ fn refusals_each_with_its_place() {
         (own("7\n3 3\n4 4\n"), 1, 1, kind("7", "B-spline")),
         (format!("9\n1 0\n{}", "0 0 0\n".repeat(4)), 1, 1, kind("9", "PN triangle")),
         (format!("10\n1 1 0 0\n{}", "0 0 0\n".repeat(5)), 1, 1, kind("10", "PN quad")),
-        (own("1\n8 6\n"), 2, 4, Missing(skipped)),
-        (own("3\n4294967295\n0 0 0"), 3, 6, Missing(skipped)),
-        (own("3\nx\n"), 2, 1, NotACount { expected: skipped, found: own("x") }),
-        (own("3\n1\n0 0 0 4 x"), 3, 9, NotANumber { expected: skipped, found: own("x") }),
+        (own("1\n8 6\n"), 1, 1, kind("1", "polyhedron")),
+        (format!("{BILINEAR}1\n8 6\n"), 8, 4, Missing(Element::Skipped)),
+        (format!("{BILINEAR}3\n4294967295\n0 0 0"), 9, 6, Missing(Element::Skipped)),
+        (format!("{BILINEAR}3\nx\n"), 8, 1, NotACount { expected: Element::Skipped, found: own("x") }),
+        (
+            format!("{BILINEAR}3\n1\n0 0 0 4 x"),
+            9,
+            9,
+            NotANumber { expected: Element::Skipped, found: own("x") },
+        ),
         (format!("{BILINEAR}2 2 0\n"), 7, 1, NotAKind { patch: 1, found: own("2") }),
         (own("Group"), 1, 6, Missing(Element::Group)),
         (own("Group\n4\n1\n"), 2, 1, NotACount { expected: Element::Group, found: own("4") }),

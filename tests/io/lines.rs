@@ -67,8 +67,8 @@ fn what_is_no_line() {
     let read = obj::lines(b"v 0 0 0\nv 1 0 0\n").expect("two points").value;
     assert_eq!((read.len(), read[0].closed), (1, None));
     for (text, place, says) in [
-        ("v 0 0 0\nl\n", (2, 1), "line 1 has 0 vertices; a line has two at least"),
-        ("v 0 0 0\nv 0 0 1\nl 1 2\nl 1\n", (4, 1), "line 2 has 1 vertices"),
+        ("v 0 0 0\nl\n", (2, 1), "line 1 has 0 of the two vertices"),
+        ("v 0 0 0\nv 0 0 1\nl 1 2\nl 1\n", (4, 1), "line 2 has 1 of the two vertices"),
         ("v 0 0 0\nl 1 -9223372036854775808\n", (2, 5), "names the vertex"),
         ("v 0 0 \\\n x\nl 1 1\n", (2, 2), "`x` stands where z of vertex 1 should"),
         ("v 0 0 \\\n 1\nl 1 7\n", (3, 5), "names the vertex 7"),

@@ -124,7 +124,7 @@ mod stl_meshes {
         }
         let square = meshes().remove(0);
         let first = stl_io::read_stl(&mut Cursor::new(&written(&square, ""))).expect("an stl");
-        assert!(first.faces.iter().all(|face| face.normal.0 == [0.0, 0.0, -1.0]));
+        assert!(first.faces.iter().all(|face| face.normal.0 == [0.0, 0.0, 1.0]));
     }
 
     #[test]
