@@ -16,12 +16,6 @@ impl<T> From<T> for Noted<T> {
     }
 }
 
-impl<T> Noted<T> {
-    pub fn map<U>(self, f: impl FnOnce(T) -> U) -> Noted<U> {
-        Noted { value: f(self.value), notes: self.notes }
-    }
-}
-
 /// How many of each kind were passed over, in the order in which the kinds came.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Tally(Vec<(String, usize)>);

@@ -55,6 +55,18 @@ fn gaps_stay() {
     }
 }
 
+/// A ring of so many points that its sides are shorter than what is no gap in others.
+#[test]
+fn dense_rings_keep_all_points() {
+    let count = 1 << 20;
+    let at = |n: usize| (std::f64::consts::TAU * n as f64 / count as f64).sin_cos();
+    let d: String = (0..count)
+        .map(|n| (if n == 0 { "M" } else { " " }, at(n)))
+        .map(|(s, (y, x))| format!("{s}{x:.9} {y:.9}"))
+        .collect();
+    assert_eq!(path(&format!("{d}Z")).points.len(), count);
+}
+
 #[test]
 fn an_arc_to_its_own_start_adds_no_point() {
     for (d, points) in [

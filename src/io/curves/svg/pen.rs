@@ -6,7 +6,8 @@ use kurbo::{Affine, CubicBez, ParamCurve, PathEl, Point, QuadBez, Rect, Vec2};
 
 /// How far a line may be off the curve that it stands for, of the size of its control polygon.
 const FLAT: f64 = 1e-3;
-/// Curves that end so near to their start close, of their size, however their numbers are written.
+/// Curves that end so near to their start close, of their size, however their numbers are written; of a dense curve a
+/// quarter of a side, so that no point of it is taken for the first.
 const SAME: f64 = 1e-5;
 /// And those do that end so near to it as their numbers may have been rounded, but no farther.
 const NEAR: f64 = 0.05;
@@ -21,19 +22,21 @@ pub struct Pen {
     start: Point,
     here: Point,
     bounds: Rect,
+    length: f64,
     segments: usize,
 }
 
 impl Pen {
     pub fn new(transform: Affine, before: usize) -> Pen {
         let (curve, start) = (Vec::new(), Point::ORIGIN);
-        Pen { transform, before, curve, start, here: start, bounds: Rect::ZERO, segments: 0 }
+        Pen { transform, before, curve, start, here: start, bounds: Rect::ZERO, length: 0.0, segments: 0 }
     }
 
     /// Begins a curve. What was drawn is taken away by [`end`](Pen::end) before.
     pub fn move_to(&mut self, to: Point) -> Result<(), (Element, f64)> {
         self.curve.clear();
-        (self.start, self.bounds, self.segments) = (to, Rect::from_points(to, to), 0);
+        (self.start, self.here, self.bounds) = (to, to, Rect::from_points(to, to));
+        (self.length, self.segments) = (0.0, 0);
         self.point(to)
     }
 
@@ -82,6 +85,7 @@ impl Pen {
 
     /// A point where it is drawn, y up; its number if it is beyond the range.
     fn point(&mut self, to: Point) -> Result<(), (Element, f64)> {
+        self.length += self.here.distance(to);
         self.here = to;
         self.bounds = self.bounds.union_pt(to);
         let Vec2 { x, y } = (self.transform * to).to_vec2();
@@ -104,7 +108,8 @@ impl Pen {
         let mut points = std::mem::take(&mut self.curve);
         let size = self.bounds.width().max(self.bounds.height());
         let rounding = unit * (1.0 + (self.segments as f64).sqrt());
-        let near = (SAME * size + rounding).min(NEAR * size);
+        let same = (SAME * size).min(self.length / self.segments as f64 / 4.0);
+        let near = (same + rounding).min(NEAR * size);
         let Vec2 { x, y } = self.here - self.start;
         let back = (x.abs() <= near && y.abs() <= near) || points.first() == points.last();
         if points.len() > 1 && back {

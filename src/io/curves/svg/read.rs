@@ -66,7 +66,7 @@ const MOST_POINTS: usize = 1 << 25;
 ///
 /// What is curved becomes so many points that lines between them are off it by a thousandth of the size of each piece at
 /// most. A curve that ends at its first point has it once, and is closed; a path does also where rounded numbers miss the
-/// start: by 10⁻⁵ of its size, or, if it has relative commands and decimals, by 1 + √n units of its last decimal for n
+/// start: by 10⁻⁵ of its size (of a dense one a quarter of a side), or, if it has relative commands and decimals, by 1 + √n units of its last decimal for n
 /// segments, within a twentieth of its size. An arc to its own start adds no point.
 ///
 /// # Errors
