@@ -74,7 +74,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // The teapot as one watertight mesh, at three tolerances.
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
-    let teapot = read_nets(examples.join("data/teapot.bpt"), NetOptions::default())?;
+    let teapot = read_nets(examples.join("data/teapot.bpt"), NetOptions::default())?.value;
     for (name, tolerance) in [("coarse", 0.5), ("medium", 0.1), ("fine", 0.02)] {
         studio.tessellate(&format!("tessellate_{name}"), &teapot, tolerance)?;
     }
@@ -199,6 +199,7 @@ fn load(name: &str, system: Option<&str>) -> Result<(Plan, Axiom), Box<dyn Error
     let system = checked.systems.iter().rfind(wanted).ok_or("no system of that name")?;
     let plan = Plan::new(system)?;
     let nets = NetOptions { rational: plan.rational(), bspline: true };
-    let axiom = Axiom::load(&plan.system, &mut |file| read_nets(examples.join(file), nets))?;
+    let read = |file: &str| read_nets(examples.join(file), nets).map(|read| read.value);
+    let axiom = Axiom::load(&plan.system, &mut |file| read(file))?;
     Ok((plan, axiom))
 }

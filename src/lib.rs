@@ -115,7 +115,7 @@
 //!   renderer of yours, with a walk through it.
 //! - [`affine`]: curve rules as subdivision matrices, matrices as rules, and whole derivations as tables of stencils,
 //!   which [`cpu::stencil`] and `gpu::Stencil` apply to control points that move.
-//! - [`io`]: `.bpt`, `.bv`, `.json`, `.obj`, `.ply`, `.glb`, `.png`.
+//! - [`io`]: `.bpt`, `.bv`, `.json`, `.obj`, `.ply`, `.glb`, `.stl`, `.png`; curves also `.svg` and `.csv`.
 //! - [`plan::layout`], then [`plan::step`]: how a step works; both backends walk the same list of passes.
 //! - `conformance` (with the feature `gpu`): the suite that holds a device against the CPU, for the
 //!   command and for programs that embed the engine.

@@ -21,7 +21,7 @@ struct Job {
 fn job(text: &str, points: &[[f32; 4]], set: &[(&str, Value)]) -> Job {
     let system = System::parse(text).unwrap_or_else(|e| panic!("{e}"));
     let plan = Plan::new(&system).unwrap_or_else(|e| panic!("{e}"));
-    let axiom = Axiom::load::<String>(&system, &mut |_| Ok(vec![points.to_vec()])).expect("an axiom");
+    let axiom = Axiom::load::<String>(&system, &mut |_| Ok(vec![points.to_vec().into()])).expect("an axiom");
     let set = set.iter().map(|(name, value)| (name.to_string(), value.clone())).collect();
     Job { plan, axiom, options: Options { set, ..Options::default() } }
 }

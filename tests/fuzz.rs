@@ -74,8 +74,15 @@ fn curves_that_are_nearly_right() {
         <path d=\"M 1 1 L 2 1 H 3 v 4 Z m 2 2 l 1e3 -.5\"/>\n<polygon points=\"1,1 3,1 3,2 1,2\" id=\"a\"/> \
         <rect x=\"1\" y=\"2\" width=\"3\" height=\"4\" />\n</g>\n<line x2=\"3\" transform=\"rotate(45)\" /> \
         <circle r=\"2\"/>\n</svg>\n";
+    let styled = "<svg width=\"9cm\" height=\"90%\"><style>.a, #b > path { display: none !important } g{visibility:hidden}</style>\n\
+        <switch systemLanguage=\"en\"><g style=\"transform: rotate(10deg) translate(1px, 2%)\" id=\"b\"><rect rx=\".5\" width=\"2\" \
+        height=\"3\" visibility=\"visible\"/> <path class=\"a\" d=\"m 0 0 a 1 2 3 0 1 0.5 .25 q 1 1 2 2 t 3 1 s 1 2 3 4 z\"/></g></switch>\n\
+        <symbol id=\"s\" viewBox=\"0 0 2 3\"><ellipse rx=\"2\" ry=\"1\"/></symbol> <use href=\"#s\" x=\"1\" width=\"4\" height=\"4\" /> \
+        <use href=\"#b\"/> <svg x=\"1\" viewBox=\"0 0 1 1\"><line x2=\"1\" /> </svg> </svg>\n";
     let obj = "v 0 0 0\nv 1 0 0.5 1\nv 2 1 0\nl 1 2 3\nl 1 3 -1 1\n";
-    let texts = [svg, obj, "x,y\n1,2\n3,4\n\n5,6\n", "1,2,3\n4,5,6\n-1e3,0,.5\n"].map(String::from);
+    let edges = "v 0 0 0\nv 1 0 0\nv 1 1 \\\n 0\nl 1 2\nl 3 2\nl 3 1\nf 1 2 3\nl -1 2 1\n";
+    let texts =
+        [svg, styled, obj, edges, "x,y\n1,2\n3,4\n\n5,6\n", "1,2,3\n4,5,6\n-1e3,0,.5\n"].map(String::from);
     let whole = fuzz(&texts, 0x5eed_0005, nearly_right, |text| check_curves(text.as_bytes()));
     assert!(whole > INPUTS / 20, "only {whole} files of {INPUTS} texts");
 }

@@ -2,10 +2,13 @@
 
 mod bspline;
 mod bv;
+mod closing;
 mod curves;
+mod lines;
 mod meshes;
+mod svg;
 
-use burgeon::io::{Element, Problem, WriteError, bpt, write_atomically};
+use burgeon::io::{Element, ParseError, Problem, WriteError, bpt, write_atomically};
 use burgeon::language::system::Field;
 use burgeon::language::{Type, Value};
 use burgeon::patch::{Bounds, Cell, Module, Net, Symbol, Word, WordError};
@@ -22,6 +25,18 @@ const SQUARE: &str = "1\n1 1\n0 0 0\n0 1 0\n1 0 0\n1 1 0\n";
 fn problem(text: &str, rational: bool) -> (usize, usize, Problem) {
     let error = bpt::parse(text.as_bytes(), rational).expect_err(text);
     (error.line, error.column, error.problem)
+}
+
+/// A drawing of these elements.
+fn in_svg(body: &str) -> String {
+    format!("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 9 9\">\n{body}\n</svg>\n")
+}
+
+#[track_caller]
+fn refused<T: std::fmt::Debug>(read: Result<T, ParseError>, place: (usize, usize), says: &str) {
+    let error = read.expect_err(says);
+    assert_eq!((error.line, error.column), place, "{error}");
+    assert!(error.to_string().contains(says), "{error}");
 }
 
 mod bpt_reading {

@@ -45,7 +45,8 @@ impl Run {
             point
         };
         let points: Vec<[f32; 4]> = job.points.iter().map(point).collect();
-        let axiom = Axiom::load::<String>(&system, &mut |_| Ok(vec![points.clone()])).expect("an axiom");
+        let axiom =
+            Axiom::load::<String>(&system, &mut |_| Ok(vec![points.clone().into()])).expect("an axiom");
         // A job may set params of an earlier system.
         let has = |name: &str| system.uniforms.iter().any(|u| u.name == name);
         let set: Vec<(String, Value)> =

@@ -3,8 +3,8 @@
 use super::Failure;
 use super::load::shown;
 use super::source::Source;
-use burgeon::curve::{self, Curves};
-use burgeon::io::{NetOptions, curves, read_nets};
+use burgeon::curve::{self, Note, Polyline};
+use burgeon::io::{NetOptions, Noted, curves, read_nets};
 use burgeon::language::system::{Axiom, CurveSource, CurveStart, Kind, PatchSource, PatchStart, System};
 use burgeon::language::{Diagnostic, Span};
 use burgeon::patch;
@@ -88,14 +88,21 @@ pub fn axiom(
     system: &System,
     input: Option<&Path>,
     bspline: bool,
-) -> Result<Beginning, AxiomError> {
+) -> Result<Noted<Beginning>, AxiomError> {
     let mut places = Places::new(source, system, input)?;
-    if matches!(system.kind, Kind::Curve(_)) {
-        let loaded = curve::Axiom::load(system, &mut |name| points(&places.of(name)));
-        return loaded.map(Beginning::Points).map_err(|e| places.of_curve(e));
-    }
-    let mut read = |name: &str| nets(&places.of(name), system, bspline);
-    patch::Axiom::load(system, &mut read).map(Beginning::Nets).map_err(|e| places.wrong(e))
+    let value = if matches!(system.kind, Kind::Curve(_)) {
+        let loaded = curve::Axiom::load(system, &mut |name| places.points(name, system));
+        let axiom = loaded.map_err(|e| places.of_curve(e))?;
+        axiom.notes.iter().for_each(|(name, note)| places.note_of(name, note));
+        Beginning::Points(axiom)
+    } else {
+        let mut read = |name: &str| {
+            let path = places.of(name);
+            nets(&path, system, bspline).map(|read| places.noted(&path, read))
+        };
+        patch::Axiom::load(system, &mut read).map(Beginning::Nets).map_err(|e| places.wrong(e))?
+    };
+    Ok(Noted { value, notes: places.notes })
 }
 
 /// The same once for each curve of the first file, in place of all its points.
@@ -103,7 +110,7 @@ pub fn of_each_curve(
     source: &Source,
     system: &System,
     input: Option<&Path>,
-) -> Result<Vec<curve::Axiom>, AxiomError> {
+) -> Result<Noted<Vec<curve::Axiom>>, AxiomError> {
     let wrong = |what: String| Err(AxiomError::Other(Failure::Usage(format!("error: --each: {what}"))));
     let Axiom::Curve(starts) = &system.axiom else { return wrong(format!("{} has no axiom", system.name)) };
     let file = starts.iter().find_map(|start| match start {
@@ -117,22 +124,22 @@ pub fn of_each_curve(
         return wrong(format!("the axiom of {} takes curve {index} of {first} alone", system.name));
     }
     let mut places = Places::new(source, system, input)?;
-    let curves = match points(&places.of(first)) {
+    let curves = match places.points(first, system) {
         Ok(curves) => curves,
         Err(text) => return Err(places.wrong(patch::AxiomError::Source(text))),
     };
-    let of_curve = |curve: Vec<[f32; 4]>| {
+    for note in curve::notes(system, first, &curves, false) {
+        places.note_of(first, &note);
+    }
+    let mut of_curve = |curve: Polyline| {
         let mut read = |name: &str| match name == first {
             true => Ok(vec![curve.clone()]),
-            false => points(&places.of(name)),
+            false => places.points(name, system),
         };
         curve::Axiom::load(system, &mut read).map_err(|e| places.of_curve(e))
     };
-    curves.into_iter().map(of_curve).collect()
-}
-
-fn points(path: &Path) -> Result<Curves, String> {
-    curves::read(path).map_err(|e| shown(path, &e))
+    let value: Result<_, AxiomError> = curves.into_iter().map(&mut of_curve).collect();
+    Ok(Noted { value: value?, notes: places.notes })
 }
 
 /// Where the files of an axiom are.
@@ -143,6 +150,8 @@ struct Places<'a> {
     input: Option<&'a Path>,
     /// The one that is not there.
     missing: Option<Span>,
+    /// What is to be said of them, each once.
+    notes: Vec<String>,
 }
 
 impl<'a> Places<'a> {
@@ -153,7 +162,7 @@ impl<'a> Places<'a> {
             return Err(AxiomError::Other(Failure::Usage(format!("{what} that it could replace"))));
         }
         let folder = source.path.parent().unwrap_or(Path::new(""));
-        Ok(Places { folder, files, input, missing: None })
+        Ok(Places { folder, files, input, missing: None, notes: Vec::new() })
     }
 
     fn of(&mut self, name: &str) -> PathBuf {
@@ -167,6 +176,32 @@ impl<'a> Places<'a> {
             self.missing = self.files.iter().find(|(file, _)| file == name).map(|(_, span)| *span);
         }
         path
+    }
+
+    /// The curves of a file.
+    fn points(&mut self, name: &str, system: &System) -> Result<Vec<Polyline>, String> {
+        let path = self.of(name);
+        let read = curves::read(&path, curve::coordinates(system, name)).map_err(|e| shown(&path, &e))?;
+        Ok(self.noted(&path, read))
+    }
+
+    fn noted<T>(&mut self, path: &Path, read: Noted<T>) -> T {
+        for note in read.notes {
+            let note = format!("{}: {note}", path.display());
+            if !self.notes.contains(&note) {
+                self.notes.push(note);
+            }
+        }
+        read.value
+    }
+
+    fn note_of(&mut self, name: &str, note: &Note) {
+        let help = match note {
+            Note::Joined { .. } => " (`run --each` derives each by itself)",
+            _ => "",
+        };
+        let path = self.of(name);
+        self.noted(&path, Noted { value: (), notes: vec![format!("{note}{help}")] });
     }
 
     fn of_curve(&self, e: curve::AxiomError<String>) -> AxiomError {
@@ -212,14 +247,14 @@ pub fn files(system: &System) -> Vec<(String, Span)> {
 }
 
 /// The nets of a file, of the degree that the system rewrites.
-fn nets(path: &Path, system: &System, bspline: bool) -> Result<Vec<patch::Net>, String> {
+fn nets(path: &Path, system: &System, bspline: bool) -> Result<Noted<Vec<patch::Net>>, String> {
     let rational = matches!(system.kind, Kind::Patch { rational: true, .. });
     let nets = read_nets(path, NetOptions { rational, bspline }).map_err(|e| shown(path, &e))?;
     let Kind::Patch { degree, .. } = system.kind else { return Ok(nets) };
-    match nets.iter().position(|net| net.degree != degree) {
+    match nets.value.iter().position(|net| net.degree != degree) {
         None => Ok(nets),
         Some(patch) => {
-            let ([u, v], [m, n]) = (nets[patch].degree, degree);
+            let ([u, v], [m, n]) = (nets.value[patch].degree, degree);
             let what = format!("patch {patch} of {} has degree {u}×{v}", path.display());
             Err(format!("{what}; {} rewrites nets of degree {m}×{n}", system.name))
         }

@@ -16,6 +16,7 @@ pub fn compare(flags: &flags::Compare) -> Result<(), Failure> {
     let plan = loaded.plan(Plan::new)?;
     super::kinds::check(&flags.derive, &loaded.system)?;
     let job = super::load::job(loaded, plan, &flags.derive)?;
+    job.say_notes();
     let requirement = flags.derive.machine.adapter.as_deref().map_or(Requirement::Any, Requirement::Named);
     let device = Headless::new(requirement).map_err(of_gpu)?;
     let engine = Engine::new(&device.device, &device.queue);

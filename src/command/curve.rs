@@ -27,6 +27,9 @@ pub fn run(flags: &flags::Run, loaded: Loaded, start: Instant) -> Result<(), Fai
     kinds::check_run(flags, &loaded.system)?;
     let targets = output::targets(&flags.out, flags.format, &output::CURVES)?;
     let job = load::job(loaded, plan, &flags.derive)?;
+    if !flags.words.each {
+        job.say_notes();
+    }
     let several = flags.words.are_several().then(|| words::several(flags, &job)).transpose()?;
     let several = several.as_ref();
     stop::watch();
@@ -164,7 +167,9 @@ fn write(
             Some(starts) => curves::json::write_words(w, starts, words),
             None => words.iter().try_for_each(|word| curves::json::write(w, word)),
         }),
-        Format::Bpt | Format::Bv | Format::Ply | Format::Glb => Err(output::CURVES.refuse(target.format)),
+        Format::Bpt | Format::Bv | Format::Ply | Format::Glb | Format::Stl => {
+            Err(output::CURVES.refuse(target.format))
+        }
     }
 }
 

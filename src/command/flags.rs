@@ -62,8 +62,8 @@ const TO_STDOUT: &str = "What --out - writes, as .FORMAT does";
 pub struct Run {
     #[command(flatten)]
     pub derive: Derive,
-    /// Write the result, by extension: .bpt and .bv the nets, .json the exact word, .obj, .ply and .glb
-    /// triangles, .png a picture; curves as .svg, .png, .obj, .csv and .json; may be given several times. Of several
+    /// Write the result, by extension: .bpt and .bv the nets, .json the exact word, .obj, .ply, .glb and
+    /// .stl triangles, .png a picture; curves as .svg, .png, .obj, .csv and .json; may be given several times. Of several
     /// curves (--sweep, --seeds, --each) all go into one file, or where its name holds {} each into its own.
     /// `-` is the standard output, in the format that --format names; what is said then goes to stderr
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
@@ -74,7 +74,7 @@ pub struct Run {
     /// with --tolerance modules count erased ones, too, and there are vertices, triangles, tessellate_ms
     #[arg(long, help_heading = OUTPUT)]
     pub stats: bool,
-    /// Cells along each side of a patch in .obj, .ply, .glb and .png, two triangles each; not with --tolerance
+    /// Cells along each side of a patch in .obj, .ply, .glb, .stl and .png, two triangles each; not with --tolerance
     /// [default: 8, halved until the model has at most 2 million triangles]
     #[arg(long, value_name = "N", help_heading = TRIANGLES, conflicts_with = "tolerance", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=256))]
     pub grid: Option<u32>,
@@ -132,7 +132,7 @@ pub struct Tessellate {
     pub fineness: Fineness,
     #[command(flatten)]
     pub view: View,
-    /// Write the triangles, by extension: .obj, .ply, .glb, or .png a picture; may be given several times.
+    /// Write the triangles, by extension: .obj, .ply, .glb, .stl, or .png a picture; may be given several times.
     /// `-` is the standard output, in the format that --format names; what is said then goes to stderr
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     pub out: Vec<PathBuf>,

@@ -2,9 +2,9 @@
 
 use super::axiom::{self, Beginning, files};
 use super::source::{Loaded, Source};
-use super::{Failure, counted, flags};
+use super::{Failure, counted, flags, say};
 use burgeon::curve;
-use burgeon::io::{NetOptions, ReadError, read_nets, values};
+use burgeon::io::{NetOptions, Noted, ReadError, read_nets, values};
 use burgeon::language::expr::Type;
 use burgeon::language::system::{Axiom, CurveStart, System};
 use burgeon::language::{Diagnostic, Span, Value};
@@ -34,6 +34,8 @@ pub fn has_extension(path: &Path, extension: &str) -> bool {
 pub struct Job {
     pub plan: Plan,
     pub axiom: Beginning,
+    /// What is to be said of the axiom's files.
+    notes: Vec<String>,
     pub set: Vec<(String, Value)>,
     pub bind: Vec<(String, patch::Values)>,
     pub view: Option<View>,
@@ -55,12 +57,12 @@ pub fn job(loaded: Loaded, plan: Plan, flags: &flags::Derive) -> Result<Job, Fai
         let what = "--bspline is for an .obj, and neither --in nor the axiom names one";
         return Err(Failure::Usage(format!("error: {what}")));
     }
-    let axiom = axiom::axiom(&source, &system, flags.input.as_deref(), flags.bspline)
+    let Noted { value: axiom, notes } = axiom::axiom(&source, &system, flags.input.as_deref(), flags.bspline)
         .map_err(|e| e.failure(&source))?;
     let bind = bind(&plan.system, &flags.bind)?;
     let view = sight(&flags.view, flags::Up::Y, axiom.nets().iter())?.map(|s| s.view());
     Given::new(&plan.system, axiom.roots(), &bind, view).map_err(|e| failure(&source, &plan, e))?;
-    Ok(Job { plan, axiom, set, bind, view, source })
+    Ok(Job { plan, axiom, notes, set, bind, view, source })
 }
 
 impl Job {
@@ -69,9 +71,17 @@ impl Job {
         self.axiom.nets()
     }
 
-    /// The axiom once for each curve of its first file.
+    /// The axiom once for each curve of its first file. Says what is to be said of it.
     pub fn each_curve(&self, input: Option<&Path>) -> Result<Vec<curve::Axiom>, Failure> {
-        axiom::of_each_curve(&self.source, &self.plan.system, input).map_err(|e| e.failure(&self.source))
+        let each = axiom::of_each_curve(&self.source, &self.plan.system, input);
+        let each = each.map_err(|e| e.failure(&self.source))?;
+        say_notes(&each.notes);
+        Ok(each.value)
+    }
+
+    /// Says what is to be said of the axiom's files, where it is not taken curve by curve.
+    pub fn say_notes(&self) {
+        say_notes(&self.notes);
     }
 
     /// One error at a place of the rule file.
@@ -83,6 +93,10 @@ impl Job {
     pub fn failure(&self, e: plan::Error) -> Failure {
         failure(&self.source, &self.plan, e)
     }
+}
+
+fn say_notes(notes: &[String]) {
+    notes.iter().for_each(|note| say(&format!("note: {note}")));
 }
 
 /// The values that `--bind` names; a name that is none is left for the plan to refuse.
@@ -228,7 +242,9 @@ pub fn patches(path: &Path, bspline: bool) -> Result<patch::Word, Failure> {
         return Err(Failure::Usage(format!("error: --bspline is for an .obj, and {name} is none")));
     }
     let wrong = |what: String| Failure::File(format!("error: {what}"));
-    let nets = read_nets(path, NetOptions { rational: true, bspline }).map_err(|e| wrong(shown(path, &e)))?;
+    let read = read_nets(path, NetOptions { rational: true, bspline }).map_err(|e| wrong(shown(path, &e)))?;
+    say_notes(&read.notes.iter().map(|note| format!("{name}: {note}")).collect::<Vec<_>>());
+    let nets = read.value;
     let Some(first) = nets.first() else {
         return Err(wrong(format!("{name} holds no patches; one at least is needed")));
     };

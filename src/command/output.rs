@@ -18,6 +18,7 @@ pub enum Format {
     Obj,
     Ply,
     Glb,
+    Stl,
     Svg,
     Csv,
     Png,
@@ -53,7 +54,7 @@ pub const CURVES: Content =
 
 /// What nets are written as, then what triangles are.
 const PATCH_FORMATS: &[Format] =
-    &[Format::Bpt, Format::Bv, Format::Json, Format::Obj, Format::Ply, Format::Glb, Format::Png];
+    &[Format::Bpt, Format::Bv, Format::Json, Format::Obj, Format::Ply, Format::Glb, Format::Stl, Format::Png];
 
 pub const PATCHES: Content = Content { what: "patches", formats: PATCH_FORMATS };
 
@@ -208,6 +209,7 @@ pub fn write(
             (Format::Obj, Ok(shape)) => file(path, bar, |w| io::obj::write(w, &shape.mesh, name)),
             (Format::Ply, Ok(shape)) => file(path, bar, |w| io::ply::write(w, &shape.mesh, name)),
             (Format::Glb, Ok(shape)) => file(path, bar, |w| io::glb::write(w, &shape.mesh, name, look.up())),
+            (Format::Stl, Ok(shape)) => file(path, bar, |w| io::stl::write(w, &shape.mesh, name)),
             (Format::Png, Ok(shape)) => picture(path, shape, look, bar),
             (Format::Svg | Format::Csv, _) => Err(PATCHES.refuse(target.format)),
             (_, Err(why)) => Err(Failure::Device(format!("error: {}: {why}", shown(path)))),

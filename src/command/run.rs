@@ -34,6 +34,7 @@ fn patches(flags: &flags::Run, loaded: Loaded, start: Instant) -> Result<(), Fai
         )));
     }
     let job = load::job(loaded, plan, &flags.derive)?;
+    job.say_notes();
     if let (false, Some(placement)) = (watertight, &job.plan.placement) {
         say(&format!(
             "note: `place {}` displaces the mesh that --tolerance makes; without it nothing is displaced",

@@ -62,7 +62,10 @@ fn compiled(source: &Source, system: &System) -> Result<String, Wrong> {
         return Ok("checked and compiled; `run` needs an axiom".to_string());
     }
     match axiom::axiom(source, system, None, true) {
-        Ok(axiom) => Ok(format!("checked and compiled, {}", counted(axiom.roots() as u64, "root"))),
+        Ok(axiom) => {
+            axiom.notes.iter().for_each(|note| say(&format!("note: {note}")));
+            Ok(format!("checked and compiled, {}", counted(axiom.value.roots() as u64, "root")))
+        }
         // The rules may be right where the file is not there yet.
         Err(AxiomError::Missing(d)) => Ok(format!("checked and compiled; {}", d.message)),
         Err(AxiomError::Rules(d)) => Err(Wrong::Rules(d)),

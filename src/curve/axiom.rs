@@ -1,16 +1,16 @@
 //! The axiom of a curve system: its modules, read from where the system says.
 
+use super::polyline::{Note, Polyline, notes};
 use crate::language::Span;
 use crate::language::expr::{Expr, Type, Value};
 use crate::language::system::{self, CurveSource, CurveStart, Hang, System};
-
-/// The curves of a file: the points of each.
-pub type Curves = Vec<Vec<[f32; 4]>>;
 
 /// The parts of a word, in order.
 #[derive(Clone, Debug)]
 pub struct Axiom {
     pub parts: Vec<Part>,
+    /// What became of the curves of its files, with the name of each file.
+    pub notes: Vec<(String, Note)>,
 }
 
 /// Modules from one source, of which the one at `shift` comes first.
@@ -44,22 +44,22 @@ pub enum AxiomError<E: std::fmt::Display> {
 }
 
 impl Axiom {
-    /// Resolves the sources of a curve system; `read` gives the curves of a file by its name: coordinates that are
-    /// missing are 0, a fourth 1.
+    /// Resolves the sources of a curve system; `read` gives the curves of a file by its name. All of them are one part of
+    /// the word; a closed one comes back to its first point where the word is no ring.
     ///
     /// # Errors
     /// What `read` says; an index beyond the file's curves; no axiom; a source that is a system; a coordinate that is not
     /// finite.
     pub fn load<E: std::fmt::Display>(
         system: &System,
-        read: &mut dyn FnMut(&str) -> Result<Curves, E>,
+        read: &mut dyn FnMut(&str) -> Result<Vec<Polyline>, E>,
     ) -> Result<Axiom, AxiomError<E>> {
         let system::Axiom::Curve(starts) = &system.axiom else {
             let message =
                 format!("{} has no axiom of a curve: write `axiom: P((0, 0)) P((1, 0))`", system.name);
             return Err(AxiomError::Wrong { message, span: system.source.name.span });
         };
-        let mut parts: Vec<Part> = Vec::new();
+        let (mut parts, mut notes): (Vec<Part>, Vec<(String, Note)>) = Default::default();
         for start in starts {
             match start {
                 CurveStart::Word(word) => {
@@ -72,7 +72,7 @@ impl Axiom {
                     parts.push(Part { modules, exit: word.exit(), shift: None });
                 }
                 CurveStart::Points { symbol, args, source, shift, span } => {
-                    let points = points(source, read)?;
+                    let points = points(system, source, read, &mut notes)?;
                     let fields = &system.symbols[*symbol].fields;
                     let module = |(n, point): (usize, &[f32; 4])| {
                         let arg = |(arg, field): (&Option<Expr>, &system::Field)| match arg {
@@ -93,7 +93,7 @@ impl Axiom {
                 CurveStart::System { span, .. } => return Err(of_system(*span)),
             }
         }
-        Ok(Axiom { parts })
+        Ok(Axiom { parts, notes })
     }
 
     /// Modules in all.
@@ -113,8 +113,10 @@ fn of_system<E: std::fmt::Display>(span: Span) -> AxiomError<E> {
 }
 
 fn points<E: std::fmt::Display>(
+    system: &System,
     source: &CurveSource,
-    read: &mut dyn FnMut(&str) -> Result<Curves, E>,
+    read: &mut dyn FnMut(&str) -> Result<Vec<Polyline>, E>,
+    said: &mut Vec<(String, Note)>,
 ) -> Result<Vec<[f32; 4]>, AxiomError<E>> {
     match source {
         CurveSource::Inline(points) => Ok(points.iter().map(coordinates).collect()),
@@ -122,16 +124,18 @@ fn points<E: std::fmt::Display>(
         CurveSource::File { path, index, span } => {
             let mut curves = read(path).map_err(AxiomError::Source)?;
             match index.map(|index| index as usize) {
-                None => Ok(curves.concat()),
-                Some(index) if index < curves.len() => Ok(curves.swap_remove(index)),
+                None => {}
+                Some(index) if index < curves.len() => curves = vec![curves.swap_remove(index)],
                 Some(index) => {
                     let message = format!(
                         "{path} has no curve {index}: counted from 0, its last is {}",
                         curves.len() - 1
                     );
-                    Err(AxiomError::Wrong { message, span: *span })
+                    return Err(AxiomError::Wrong { message, span: *span });
                 }
             }
+            said.extend(notes(system, path, &curves, true).into_iter().map(|note| (path.clone(), note)));
+            Ok(curves.into_iter().flat_map(|curve| curve.into_word(&system.kind)).collect())
         }
     }
 }

@@ -1,9 +1,11 @@
 //! Words of a curve: what they start from, and what a derivation reads back.
 
 mod axiom;
+mod polyline;
 mod words;
 
-pub use axiom::{Axiom, AxiomError, Curves, Part, Root};
+pub use axiom::{Axiom, AxiomError, Part, Root};
+pub use polyline::{Note, Polyline, coordinates, notes};
 pub use words::{Start, Words};
 
 use crate::language::expr::Value;

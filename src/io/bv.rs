@@ -2,7 +2,7 @@
 //! [BezierView](https://www.cise.ufl.edu/research/SurfLab/bview/) (SurfLab, University of Florida).
 //!
 //! ```text
-//! Group 0 P    optional: from here on patches belong to this group, a number (its colour) and a name
+//! Group 0 P    optional: from here on patches belong to this group, a number (its colour) and, if it has one, a name
 //! 4            kind of the patch: 4 one degree, 5 two degrees, 8 two degrees and weights
 //! 3            degree along u and v; for kinds 5 and 8 both, `m n`
 //! 0 0 0        (m + 1)(n + 1) points `x y z` or, for kind 8, `xw yw zw w`; row by row
@@ -10,7 +10,7 @@
 //! ```
 //!
 //! Row index = u, column = v, and the normal is S_u × S_v, as everywhere here. Lines may break
-//! anywhere; what stands on the line of a group behind its name is passed over, as BezierView does.
+//! anywhere; what stands on the line of a group after its number is passed over, as BezierView does.
 //! Groups say nothing that a net could hold: they are read and dropped, and written one a symbol.
 //!
 //! The documentation leaves open what the four numbers of kind 8 are. BezierView divides them by the
@@ -19,10 +19,12 @@
 //!
 //! The other kinds are 1 (polyhedron), 3 (triangular patch), 6 (trimming curve), 7 (B-spline), 9 (PN
 //! triangle) and 10 (PN quad); they are no tensor-product Bézier patches, or have normals of their
-//! own, and are refused by name.
+//! own. Beside patches they are skipped, and a note counts them; how long 6 and 7 are is not documented, so that all up
+//! to the next group goes with them. A file of nothing else is refused.
 
+use super::notes::{Noted, Tally};
 use super::number::{write_f32, write_usize};
-use super::text::{self, Element, ParseError, Problem, ReadError, Tokens, Wrong};
+use super::text::{self, Element, ParseError, Problem, ReadError, Token, Tokens, Wrong};
 use super::write::{WriteError, check_point, write_in_blocks};
 use crate::patch::{Net, Word, net_points};
 use std::io::{self, Write};
@@ -32,7 +34,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// When the file cannot be read or its text is wrong.
-pub fn read(path: impl AsRef<Path>, rational: bool) -> Result<Vec<Net>, ReadError> {
+pub fn read(path: impl AsRef<Path>, rational: bool) -> Result<Noted<Vec<Net>>, ReadError> {
     ReadError::in_file(path.as_ref(), |text| parse(text, rational))
 }
 
@@ -41,62 +43,134 @@ pub fn read(path: impl AsRef<Path>, rational: bool) -> Result<Vec<Net>, ReadErro
 /// Memory is taken only for what the text holds.
 ///
 /// # Errors
-/// The first thing that is wrong; a text with neither patch nor group. Every coordinate of every net
+/// The first thing that is wrong; a text with neither patch nor group, or of other kinds alone. Every coordinate of every net
 /// returned is finite and every weight positive.
-pub fn parse(text: &[u8], rational: bool) -> Result<Vec<Net>, ParseError> {
+pub fn parse(text: &[u8], rational: bool) -> Result<Noted<Vec<Net>>, ParseError> {
     nets(text, rational).map_err(|wrong| wrong.locate(text))
 }
 
-/// What can stand in front of the points of a patch.
+/// What can stand before the points of a patch.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     OneDegree,
     TwoDegrees,
     Rational,
+    /// A kind that is not read.
+    Other(u32, &'static str),
 }
 
-fn nets(text: &[u8], rational: bool) -> Result<Vec<Net>, Wrong> {
+fn nets(text: &[u8], rational: bool) -> Result<Noted<Vec<Net>>, Wrong> {
     let mut tokens = Tokens::new(text);
     let mut nets = Vec::new();
+    let mut skipped = Tally::default();
+    let mut first_skipped = None;
     // A file that holds nothing at all was meant to hold something.
     tokens.clone().expect(Element::Kind { patch: 0 })?;
-    while let Some(kind) = kind(&mut tokens, nets.len())? {
-        nets.push(net(&mut tokens, kind, nets.len(), rational)?);
+    while let Some((token, kind)) = kind(&mut tokens, nets.len())? {
+        match kind {
+            Kind::Other(number, name) => {
+                let kind = token.shown();
+                first_skipped
+                    .get_or_insert_with(|| token.wrong(Problem::Kind { patch: nets.len(), kind, name }));
+                skipped.add(&format!("{name} (kind {number})"));
+                let left_out = skip(&mut tokens, number);
+                // A file that is of other kinds from its beginning is wrong in that.
+                if !nets.is_empty() {
+                    left_out?;
+                } else if left_out.is_err() {
+                    break;
+                }
+            }
+            kind => nets.push(net(&mut tokens, kind, nets.len(), rational)?),
+        }
     }
-    Ok(nets)
+    match first_skipped.filter(|_| nets.is_empty()) {
+        Some(wrong) => Err(wrong),
+        None => Ok(Noted { value: nets, notes: skipped.note().into_iter().collect() }),
+    }
 }
 
-/// The kind of the next patch, behind the groups before it; `None` at the end.
-fn kind(tokens: &mut Tokens, patch: usize) -> Result<Option<Kind>, Wrong> {
+/// The kind of the next patch, after the groups before it; `None` at the end.
+fn kind<'a>(tokens: &mut Tokens<'a>, patch: usize) -> Result<Option<(Token<'a>, Kind)>, Wrong> {
     while let Some(token) = tokens.next() {
-        if token.text.eq_ignore_ascii_case(b"group") {
+        if is_group(&token) {
             group(tokens)?;
             continue;
         }
-        let refuse = |name| Err(token.wrong(Problem::Kind { patch, kind: token.shown(), name }));
-        return match token.parse::<u32>().filter(|_| token.is_whole()) {
-            Some(4) => Ok(Some(Kind::OneDegree)),
-            Some(5) => Ok(Some(Kind::TwoDegrees)),
-            Some(8) => Ok(Some(Kind::Rational)),
-            Some(1) => refuse("a polyhedron"),
-            Some(3) => refuse("a triangular patch"),
-            Some(6) => refuse("a trimming curve"),
-            Some(7) => refuse("a B-spline"),
-            Some(9) => refuse("a PN triangle"),
-            Some(10) => refuse("a PN quad"),
-            _ => Err(token.wrong(Problem::NotAKind { patch, found: token.shown() })),
+        let kind = match token.parse::<u32>().filter(|_| token.is_whole()) {
+            Some(4) => Kind::OneDegree,
+            Some(5) => Kind::TwoDegrees,
+            Some(8) => Kind::Rational,
+            Some(1) => Kind::Other(1, "polyhedron"),
+            Some(3) => Kind::Other(3, "triangular patch"),
+            Some(6) => Kind::Other(6, "trimming curve"),
+            Some(7) => Kind::Other(7, "B-spline"),
+            Some(9) => Kind::Other(9, "PN triangle"),
+            Some(10) => Kind::Other(10, "PN quad"),
+            _ => return Err(token.wrong(Problem::NotAKind { patch, found: token.shown() })),
         };
+        return Ok(Some((token, kind)));
     }
     Ok(None)
 }
 
+fn is_group(token: &Token) -> bool {
+    token.text.eq_ignore_ascii_case(b"group")
+}
+
+/// Number and name, of which the name may be missing: what stands on the next line is none.
 fn group(tokens: &mut Tokens) -> Result<(), Wrong> {
+    let mut rest = tokens.clone();
+    rest.skip_line();
     let number = tokens.expect(Element::Group)?;
-    if number.parse::<i64>().is_none() {
+    if number.offset >= rest.offset || number.parse::<i64>().is_none() {
         return Err(number.wrong(Problem::NotACount { expected: Element::Group, found: number.shown() }));
     }
-    tokens.expect(Element::Group)?;
     tokens.skip_line();
+    Ok(())
+}
+
+/// Leaves out a patch of this kind.
+fn skip(tokens: &mut Tokens, kind: u32) -> Result<(), Wrong> {
+    let element = Element::Skipped;
+    let count = |tokens: &mut Tokens| {
+        let token = tokens.expect(element)?;
+        let wrong = || token.wrong(Problem::NotACount { expected: element, found: token.shown() });
+        token.parse::<u32>().map(u64::from).ok_or_else(wrong)
+    };
+    let numbers = |tokens: &mut Tokens, count: u64| {
+        (0..count).try_for_each(|_| tokens.expect(element)?.finite(element).map(drop))
+    };
+    let triangle = |degree: u64| ((degree + 1).saturating_mul(degree + 2) / 2).saturating_mul(3);
+    let grid = |m: u64, n: u64| (3 * (m + 1)).saturating_mul(n + 1);
+    match kind {
+        1 => {
+            let (vertices, faces) = (count(tokens)?, count(tokens)?);
+            numbers(tokens, 3 * vertices)?;
+            for _ in 0..faces {
+                let corners = count(tokens)?;
+                numbers(tokens, corners)?;
+            }
+        }
+        3 => {
+            let degree = count(tokens)?;
+            numbers(tokens, triangle(degree))?;
+        }
+        9 => {
+            let degrees = [count(tokens)?, count(tokens)?];
+            numbers(tokens, triangle(degrees[0]).saturating_add(triangle(degrees[1])))?;
+        }
+        10 => {
+            let [m, n, p, q] = [count(tokens)?, count(tokens)?, count(tokens)?, count(tokens)?];
+            numbers(tokens, grid(m, n).saturating_add(grid(p, q)))?;
+        }
+        _ => {
+            let mut ahead = tokens.clone();
+            while ahead.next().is_some_and(|token| !is_group(&token)) {
+                *tokens = ahead.clone();
+            }
+        }
+    }
     Ok(())
 }
 

@@ -79,7 +79,7 @@ pub enum Problem {
     Line { point: Element, found: usize },
     #[error("`{found}` follows after the last of {patches} patches: nothing may")]
     Trailing { patches: usize, found: String },
-    #[error("patch {patch} is of kind {kind}, {name}; kinds 4, 5 and 8 are read")]
+    #[error("patch {patch} is a {name}, of kind {kind}; kinds 4, 5 and 8 are read, and this file has none")]
     Kind { patch: usize, kind: String, name: &'static str },
     #[error("`{found}` stands where the kind of patch {patch} should: 4, 5, 8 or `Group` is needed")]
     NotAKind { patch: usize, found: String },
@@ -91,12 +91,18 @@ pub enum Problem {
     Corner { face: Element, found: String },
     #[error("{face} names the vertex {found}, but the file has {vertices}")]
     NoVertex { face: Element, found: String, vertices: usize },
+    #[error("{line} has {found} of the two vertices that a line has at least")]
+    ShortLine { line: Element, found: usize },
     #[error(transparent)]
     Grid(GridError),
-    #[error(
-        "numbers in this row: {found}, in the first: {first}; a point has two to four, and all have as many"
-    )]
+    #[error("columns of this row: {found}, of the first: {first}; all points have as many")]
     Row { found: usize, first: usize },
+    #[error(
+        "{found} where a point is {wanted}, with commas between the columns and points in decimals, as in 0.5,1.5"
+    )]
+    Columns { found: String, wanted: &'static str },
+    #[error("the columns are {found}; they should be {wanted}, in this order and nothing else")]
+    ColumnNames { found: String, wanted: &'static str },
     #[error("`{found}` stands where a number, true or false should")]
     NotAValue { found: String },
     #[error("this line is no {ty}: {wanted}")]
@@ -109,16 +115,18 @@ pub enum Problem {
     PointList { found: String },
     #[error("{found} numbers for points: each has an x and a y")]
     OddPoints { found: usize },
-    #[error(
-        "a {found} is not read; path, polyline, polygon, line and rect are: turn it into a path of lines first"
-    )]
-    NoLines { found: String },
-    #[error("{name} is `{found}`, which is none")]
-    Attribute { name: String, found: String },
+    #[error("{name} is `{found}`: {help}")]
+    Attribute { name: String, found: String, help: &'static str },
+    #[error("this use of `{href}` is a part of what it names, and would never end")]
+    UseOfItself { href: String },
+    #[error("this use draws more than {elements} elements or {points} points with all that it names in turn")]
+    TooManyUses { elements: usize, points: usize },
     #[error("the file begins with <{found}>; an .svg begins with <svg>")]
     NotSvg { found: String },
-    #[error("the file draws no lines; path, polyline, polygon, line and rect are read")]
-    NoCurves,
+    #[error(
+        "the file draws no lines; path, polyline, polygon, line, rect, circle and ellipse are read{skipped}"
+    )]
+    NoCurves { skipped: String },
     /// In the words of the XML reader.
     #[error("{0}")]
     Xml(String),
@@ -136,8 +144,10 @@ pub enum Element {
     Kind {
         patch: usize,
     },
-    /// Number and name of a `.bv`.
+    /// The number of one in a `.bv`.
     Group,
+    /// A number of a `.bv` in a patch of a kind that is not read.
+    Skipped,
     /// Direction 0 is u (rows), 1 is v (columns).
     Degree {
         patch: usize,
@@ -187,7 +197,8 @@ impl fmt::Display for Element {
         match *self {
             Element::Count => f.write_str("the number of patches"),
             Element::Kind { patch } => write!(f, "the kind of patch {patch}"),
-            Element::Group => f.write_str("the number and the name of a group"),
+            Element::Group => f.write_str("the number of a group"),
+            Element::Skipped => f.write_str("a number of a patch of a kind that is not read"),
             Element::Degree { patch, direction } => {
                 write!(f, "the degree along {} of patch {patch}", ["u", "v"][direction])
             }

@@ -2,6 +2,7 @@
 
 use super::*;
 use burgeon::affine::Stencils;
+use burgeon::curve::Polyline;
 
 /// Level-dependent weights, and ints in conditions, in patterns and carried along, behind a symbol that is no point.
 const LEVELS: &str = "\
@@ -51,7 +52,7 @@ struct Case {
 fn cases(turn: u32) -> Vec<Case> {
     let case = |(system, points): (System, usize)| {
         let plan = Plan::new(&system).unwrap_or_else(|e| panic!("{e}"));
-        let file = vec![vec![[0.0, 0.0, 0.0, 1.0]; points]];
+        let file = vec![Polyline::from(vec![[0.0, 0.0, 0.0, 1.0]; points])];
         let mut axiom = Axiom::load::<String>(&system, &mut |_| Ok(file.clone())).expect("an axiom");
         let options = Options::default();
         // The table knows nothing of where the points are.

@@ -163,9 +163,9 @@ fn an_old_file_is_replaced() {
 #[test]
 fn an_extension_that_nobody_writes() {
     let folder = Folder::new();
-    for name in ["a.stl", "a", ".json", "a.json.gz", "/dev/stdout"] {
+    for name in ["a.stp", "a", ".json", "a.json.gz", "/dev/stdout"] {
         let args = ["run", "quarters.burgeon", "--backend", "cpu", "--out", "a.json", "--out", name];
-        folder.run_in_vain(&args).fails(2, &[name, ".bpt, .bv, .json, .obj, .ply, .glb or .png"]);
+        folder.run_in_vain(&args).fails(2, &[name, ".bpt, .bv, .json, .obj, .ply, .glb, .stl or .png"]);
     }
 }
 

@@ -185,7 +185,7 @@ fn wrong_usage_of_a_tessellation() {
         (&["--max-depth", "-1"], &["--max-depth", "0..=23"]),
         (&["--min-depth", "4", "--max-depth", "3"], &["--min-depth 4 is more than --max-depth 3"]),
         (&["--bspline"], &["--bspline is for an .obj, and net.bpt is none"]),
-        (&["--out", "a.bpt"], &["--out a.bpt", "triangles are written as .obj, .ply, .glb or .png"]),
+        (&["--out", "a.bpt"], &["--out a.bpt", "triangles are written as .obj, .ply, .glb, .stl or .png"]),
     ];
     for (more, said) in cases {
         folder.run_in_vain(&tessellate("net.bpt", more)).fails(2, said);

@@ -35,7 +35,7 @@ fn prepare(job: &Job) -> Prepared {
         [at(0).unwrap_or(0.0), at(1).unwrap_or(0.0), at(2).unwrap_or(0.0), at(3).unwrap_or(1.0)]
     };
     let points: Vec<[f32; 4]> = job.points.iter().map(point).collect();
-    let axiom = Axiom::load::<String>(system, &mut |_| Ok(vec![points.clone()])).expect("an axiom");
+    let axiom = Axiom::load::<String>(system, &mut |_| Ok(vec![points.clone().into()])).expect("an axiom");
     // A param of the file that the system does not read is none of its own.
     let own = |name: &str| plan.system.uniforms.iter().any(|u| u.name == name);
     let set = job.set.iter().filter(|(name, _)| own(name));

@@ -42,8 +42,10 @@ impl Example<'_> {
         let system = system.expect("a system of that name");
         let plan = Plan::new(system).unwrap_or_else(|e| panic!("{e}"));
         let axiom = Axiom::load(system, &mut |name| match self.points.as_slice() {
-            [] => curves::read(folder.join(name)),
-            points => Ok(vec![points.iter().map(|&[x, y]| [x as f32, y as f32, 0.0, 1.0]).collect()]),
+            [] => curves::read(folder.join(name), 4).map(|read| read.value),
+            points => Ok(vec![
+                points.iter().map(|&[x, y]| [x as f32, y as f32, 0.0, 1.0]).collect::<Vec<_>>().into(),
+            ]),
         });
         let set = self.set.iter().map(|(name, value)| (name.to_string(), value.clone())).collect();
         let options = Options { set, steps: self.steps, ..Options::default() };

@@ -38,7 +38,7 @@ fn start(system: &System, n: usize) -> Start {
     // Of different lengths, one point and two among them.
     let points = (0..1 + n * 7 % 23).map(|i| [(i * i % 11) as f32, (i * n % 5) as f32, 0.0, 1.0]);
     let points: Vec<[f32; 4]> = points.collect();
-    let axiom = Axiom::load::<String>(system, &mut |_| Ok(vec![points.clone()])).expect("an axiom");
+    let axiom = Axiom::load::<String>(system, &mut |_| Ok(vec![points.clone().into()])).expect("an axiom");
     // Right angles are traced without rounding.
     let w = if ["traced", "branches", "vanishing", "still"].contains(&system.name.as_str()) {
         90.0 * (n % 5) as f32

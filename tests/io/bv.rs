@@ -7,7 +7,7 @@ use burgeon::patch::{Net, Word, net_points};
 use proptest::prelude::*;
 
 fn nets(text: &str, rational: bool) -> Vec<Net> {
-    bv::parse(text.as_bytes(), rational).unwrap_or_else(|e| panic!("{e}: {text}"))
+    bv::parse(text.as_bytes(), rational).unwrap_or_else(|e| panic!("{e}: {text}")).value
 }
 
 fn problem(text: &str, rational: bool) -> (usize, usize, Problem) {
@@ -58,6 +58,33 @@ fn groups_and_line_breaks_say_nothing() {
         assert_eq!(nets(&text, false), plain, "{text}");
     }
     assert_eq!(nets("Group 0 nothing", false), []);
+    // A name may be missing, and a number is none.
+    assert_eq!(nets(&format!("Group 12\n{STRIP}group 3 \n{BILINEAR}Group 7"), false), plain);
+}
+
+/// Each kind has its own length; of 6 and 7 it is not known.
+#[test]
+fn other_kinds_beside_patches_are_counted() {
+    let plain = nets(&format!("{STRIP}{BILINEAR}"), false);
+    let tetrahedron = "1\n4 4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 2\n3 0 1 3\n3 0 2 3\n3 1 2 3\n";
+    let triangle = format!("3\n3\n{}", "4 5 8\n".repeat(10));
+    let normals = format!("9\n3 2\n{}", "4 5 8\n".repeat(16));
+    let quad = format!("10\n3 2 1 2\n{}", "4 5 8\n".repeat(18));
+    let trimming = "6\n4 5 8 0 0 1\nGroup 2 more\n";
+    let cases = [
+        (format!("{STRIP}{tetrahedron}{BILINEAR}"), "1 × polyhedron (kind 1)"),
+        (format!("{triangle}{STRIP}Group 2\n{triangle}{BILINEAR}"), "2 × triangular patch (kind 3)"),
+        (format!("{STRIP}{normals}{BILINEAR}{quad}"), "1 × PN triangle (kind 9), 1 × PN quad (kind 10)"),
+        (
+            format!("{STRIP}{trimming}{BILINEAR}7\n1 2 3"),
+            "1 × trimming curve (kind 6), 1 × B-spline (kind 7)",
+        ),
+    ];
+    for (text, says) in cases {
+        let read = bv::parse(text.as_bytes(), false).unwrap_or_else(|e| panic!("{e}: {text}"));
+        assert_eq!((read.value, read.notes), (plain.clone(), vec![format!("skipped {says}")]), "{text}");
+    }
+    assert!(bv::parse(STRIP.as_bytes(), false).expect("a patch").notes.is_empty());
 }
 
 /// A quarter of a cylinder: cos and sin come from weights, so the points must be homogeneous.
@@ -94,7 +121,7 @@ fn a_weight_of_one_is_no_weight() {
 #[test]
 fn refusals_each_with_its_place() {
     let own = String::from;
-    let kind = |kind: &str, name| Kind { patch: 1, kind: kind.into(), name };
+    let kind = |kind: &str, name| Kind { patch: 0, kind: kind.into(), name };
     let coordinate = |point, axis| Element::Coordinate { patch: 0, point, axis };
     let degree = |patch, direction| Element::Degree { patch, direction };
     let table = [
@@ -105,15 +132,26 @@ fn refusals_each_with_its_place() {
         (own("4.0"), 1, 1, NotAKind { patch: 0, found: own("4.0") }),
         (own("11"), 1, 1, NotAKind { patch: 0, found: own("11") }),
         ("9".repeat(30), 1, 1, NotAKind { patch: 0, found: "9".repeat(30) }),
-        (format!("{BILINEAR}1\n8 6\n"), 7, 1, kind("1", "a polyhedron")),
-        (format!("{BILINEAR}3\n3\n"), 7, 1, kind("3", "a triangular patch")),
-        (format!("{BILINEAR}6\n"), 7, 1, kind("6", "a trimming curve")),
-        (format!("{BILINEAR}7\n"), 7, 1, kind("7", "a B-spline")),
-        (format!("{BILINEAR}9\n"), 7, 1, kind("9", "a PN triangle")),
-        (format!("{BILINEAR}10\n"), 7, 1, kind("10", "a PN quad")),
+        // Alone they are refused by name.
+        (own("1\n3 1\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), 1, 1, kind("1", "polyhedron")),
+        (own("Group 1\n3\n1\n0 0 0 1 0 0 0 1 0\n6\n1 2 3\n"), 2, 1, kind("3", "triangular patch")),
+        (own("6\n"), 1, 1, kind("6", "trimming curve")),
+        (own("7\n3 3\n4 4\n"), 1, 1, kind("7", "B-spline")),
+        (format!("9\n1 0\n{}", "0 0 0\n".repeat(4)), 1, 1, kind("9", "PN triangle")),
+        (format!("10\n1 1 0 0\n{}", "0 0 0\n".repeat(5)), 1, 1, kind("10", "PN quad")),
+        (own("1\n8 6\n"), 1, 1, kind("1", "polyhedron")),
+        (format!("{BILINEAR}1\n8 6\n"), 8, 4, Missing(Element::Skipped)),
+        (format!("{BILINEAR}3\n4294967295\n0 0 0"), 9, 6, Missing(Element::Skipped)),
+        (format!("{BILINEAR}3\nx\n"), 8, 1, NotACount { expected: Element::Skipped, found: own("x") }),
+        (
+            format!("{BILINEAR}3\n1\n0 0 0 4 x"),
+            9,
+            9,
+            NotANumber { expected: Element::Skipped, found: own("x") },
+        ),
         (format!("{BILINEAR}2 2 0\n"), 7, 1, NotAKind { patch: 1, found: own("2") }),
         (own("Group"), 1, 6, Missing(Element::Group)),
-        (own("Group 1"), 1, 8, Missing(Element::Group)),
+        (own("Group\n4\n1\n"), 2, 1, NotACount { expected: Element::Group, found: own("4") }),
         (own("Group a b"), 1, 7, NotACount { expected: Element::Group, found: own("a") }),
         (own("4"), 1, 2, Missing(degree(0, 0))),
         (own("5\n3"), 2, 2, Missing(degree(0, 1))),
@@ -207,7 +245,7 @@ proptest! {
         // But for the lines of groups, lines may break anywhere.
         let (group, rest) = text.split_once('\n').expect("a group");
         let flat = format!("{group}\n{}", rest.replace('\n', " "));
-        prop_assert_eq!(bv::parse(flat.as_bytes(), word.rational), Ok(read));
+        prop_assert_eq!(bv::parse(flat.as_bytes(), word.rational).map(|read| read.value), Ok(read));
     }
 
     #[test]
@@ -221,7 +259,7 @@ proptest! {
         rational: bool,
     ) {
         match bv::parse(text.as_bytes(), rational) {
-            Ok(nets) => prop_assert!(nets.iter().all(|n| n.points.len() == net_points(n.degree))),
+            Ok(nets) => prop_assert!(nets.value.iter().all(|n| n.points.len() == net_points(n.degree))),
             Err(error) => {
                 let line = text.split('\n').nth(error.line - 1);
                 prop_assert!(line.is_some_and(|line| error.column <= line.chars().count() + 1), "{}", error);

@@ -1,156 +1,67 @@
 //! Curves from .svg, .csv and .obj, and their pictures.
 
+use super::{in_svg, refused};
 use burgeon::curve::{Module, Word};
 use burgeon::io::curves::{Line, Panel, Picture, Polyline, Style, csv, raster, svg};
-use burgeon::io::{ParseError, obj};
+use burgeon::io::obj;
 use burgeon::language::system::{Field, Topology};
 use burgeon::language::{Type, Value};
 use burgeon::patch::Symbol;
 use burgeon::tessellate::Up;
 use proptest::prelude::*;
 
-fn in_svg(body: &str) -> String {
-    format!("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 9 9\">\n{body}\n</svg>\n")
-}
-
-#[track_caller]
-fn read(body: &str) -> Vec<Vec<[f32; 2]>> {
-    let curves = svg::parse(in_svg(body).as_bytes()).unwrap_or_else(|e| panic!("{body}: {e}"));
-    curves.iter().map(|curve| curve.iter().map(|&[x, y, _, _]| [x, y]).collect()).collect()
-}
-
-#[test]
-fn svg_shapes_of_lines() {
-    let square = vec![[1.0, -1.0], [3.0, -1.0], [3.0, -2.0], [1.0, -2.0]];
-    for body in [
-        "<path d=\"M1 1 3 1 3 2 1 2\"/>",
-        "<path d=\"M 1,1 L 3,1 L 3,2 L 1,2 Z\"/>",
-        "<path d='M1 1h2v1H1z'/>",
-        "<path d='m1 1 2 0 0 1-2 0z'/>",
-        "<path d='M1,1\n  l2,0\n  V2\n  h-2\n  v-1 z'/>",
-        "<path d='M1 1H3V2H1V1'/>",
-        "<polygon points='1,1 3,1 3,2 1,2'/>",
-        "<polyline points='1 1 3 1 3 2 1 2 1 1'/>",
-        "<rect x='1' y='1' width='2px' height='1'/>",
-        "<g transform='translate(1 1)'><g transform='scale(2 1)'><path d='M0 0H1V1H0Z'/></g></g>",
-        "<rect width='2' height='1' transform='matrix(1 0 0 1 1 1)'/>",
-        "<defs><circle r='2'/></defs><title>a square</title><text>x</text><path d='M1e0+1L3 1.0 3 .2e1 1 2'/>",
-    ] {
-        assert_eq!(read(body), std::slice::from_ref(&square), "{body}");
-    }
-    let turned = read("<line x1='1' x2='2' transform='rotate(90)'/>");
-    assert!((0..2).all(|k| (turned[0][k][1] + (k + 1) as f32).abs() < 1e-6 && turned[0][k][0].abs() < 1e-6));
-    // Subpaths are curves; a move alone is none, and behind a Z the pen is where the curve began.
-    let path = "M9 9 M0 0 L1 0 M2 0 h1 z l1 1";
-    let expected = [[[0.0, 0.0], [1.0, 0.0]], [[2.0, 0.0], [3.0, 0.0]], [[2.0, 0.0], [3.0, -1.0]]];
-    assert_eq!(read(&format!("<path d='{path}'/>")), expected);
-    // Points count from the first of the file.
-    assert_eq!(read("<line x2='1'/><line x2='2'/>").len(), 2);
-    let plain = "<?xml version='1.0'?><!DOCTYPE svg><svg><line x2='1'/></svg>";
-    assert_eq!(svg::parse(plain.as_bytes()).expect("no namespace").len(), 1);
-}
-
-#[track_caller]
-fn refused(read: Result<Vec<Polyline>, ParseError>, place: (usize, usize), says: &str) {
-    let error = read.expect_err(says);
-    assert_eq!((error.line, error.column), place, "{error}");
-    assert!(error.to_string().contains(says), "{error}");
-}
-
-#[test]
-fn svg_refusals() {
-    // `^` stands before what is wrong.
-    let cases = [
-        ("<path d='M0 0\nL1 1\nC1 2 3 4 5 ^q'/>", "`q` stands where"),
-        ("<path d='M0 0 A1 1 0 0 0 3 ^z'/>", "`z` stands where"),
-        ("<path d='^L0 0'/>", "of which M is the first"),
-        ("<path d='M0 0 L 1 ^x'/>", "`x` stands where"),
-        ("<path d='M0 0 L ^nan 1'/>", "`nan` stands where"),
-        ("<path d='M0 0 L 1^'/>", "the end of the value"),
-        ("<path d='M0 0 L ^1e999 1'/>", "`1e999`"),
-        ("<path d='M0 0 L 1 1\n 2 2 1e39 ^1'/>", "x of point 3 is `1e39`, beyond the range"),
-        ("<polyline points='0 0 1^'/>", "3 numbers for points"),
-        ("<polyline points='0 0 1 ^inf'/>", "`inf` stands where a coordinate should"),
-        ("<polyline points='0 0\n 1 -^1e39'/>", "y of point 1 is `1e39`, beyond the range"),
-        ("^<circle r='1'/>", "circle"),
-        ("<g>^<use href='#a'/></g>", "use"),
-        ("^<rect width='1' height='1' rx='0.1'/>", "round corners"),
-        ("<rect width='^10%'/>", "width is `10%`"),
-        ("<g transform='^turn(3)'/>", "transform is `turn(3)`"),
-    ];
-    for (marked, says) in cases {
-        let before = marked.split('^').next().expect("a place");
-        let column = before.chars().rev().take_while(|&c| c != '\n').count() + 1;
-        let place = (before.matches('\n').count() + 2, column);
-        refused(svg::parse(in_svg(&marked.replacen('^', "", 1)).as_bytes()), place, says);
-    }
-    for empty in ["<path d=''/>", "<path d='M1 2'/>", "<g/>"] {
-        refused(svg::parse(in_svg(empty).as_bytes()), (1, 1), "draws no lines");
-    }
-    refused(svg::parse(in_svg("<path d=>").as_bytes()), (2, 9), "expected");
-    refused(svg::parse(b" \n"), (1, 1), "empty");
-    refused(svg::parse(b"<html/>"), (1, 1), "<html>");
-    refused(svg::parse(b"<svg>\xff</svg>"), (1, 6), "UTF-8");
-}
-
-/// A circle as four arcs, as four cubic curves, and a parabola: on the curve within a thousandth, none left out.
-#[test]
-fn svg_curves_become_lines() {
-    let round = [
-        "M10 0A10 10 0 0 1 0 10 10 10 0 0 1 -10 0a10 10 0 0 1 10 -10A10 10 0 0 1 10 0Z",
-        "M10 0C10 5.5228475 5.5228475 10 0 10S-10 5.5228475 -10 0c0 -5.5228475 4.4771525 -10 10 -10S10 -5.5228475 10 0z",
-    ];
-    for path in round {
-        let curves = svg::parse(in_svg(&format!("<path d='{path}'/>")).as_bytes()).expect("a circle");
-        let [circle] = &curves[..] else { panic!("{} curves", curves.len()) };
-        assert!((48..200).contains(&circle.len()), "{}", circle.len());
-        let pairs = circle.iter().zip(circle.iter().cycle().skip(1));
-        for (a, b) in pairs {
-            let middle = [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0];
-            for [x, y] in [[a[0], a[1]], middle] {
-                assert!((x.hypot(y) - 10.0).abs() < 0.02, "{x} {y} of {path}");
-            }
-        }
-    }
-    // y = x² from −1 to 3, drawn downwards, and its mirror image by T; in a transform that halves y.
-    let d = "<g transform='scale(1 0.5)'><path d='M-1 1Q1 -3 3 9T7 17'/></g>";
-    let curves = svg::parse(in_svg(d).as_bytes()).expect("two parabolas");
-    assert!(curves[0].len() > 30 && curves[0].iter().any(|p| p[..2] == [3.0, -4.5]));
-    for p in &curves[0] {
-        let (x, y) = (p[0], -2.0 * p[1]);
-        let expected = if x <= 3.0 { x * x } else { 18.0 - (6.0 - x) * (6.0 - x) };
-        assert!((y - expected).abs() < 1e-4, "{x} {y}");
-    }
-    // A curve that is a point.
-    let point = svg::parse(in_svg("<path d='M1 1C1 1 1 1 1 1L2 2'/>").as_bytes()).expect("a line");
-    assert_eq!(point[0].first(), Some(&[1.0, -1.0, 0.0, 1.0]));
-}
-
 #[test]
 fn other_refusals() {
-    refused(csv::parse(b""), (1, 1), "ends where point 0 should");
-    refused(csv::parse(b"x,y\n"), (2, 1), "ends where point 0 should");
-    refused(csv::parse(b"1,2\n3,inf\n"), (2, 3), "y of point 1 is `inf`");
-    refused(csv::parse(b"1,2\n3,1e39\n"), (2, 3), "beyond the range");
-    refused(csv::parse(b"1,2\n3,NaN\n"), (2, 3), "finite");
-    refused(csv::parse(b"1,2\n3\n"), (2, 1), "numbers in this row: 1, in the first: 2;");
-    refused(csv::parse(b"1,2,3,4,5\n"), (1, 1), "numbers in this row: 5,");
-    refused(csv::parse(b"1;2\n"), (1, 1), "`1;2`");
-    refused(csv::parse(b"1,2\n3,\n"), (2, 3), "a number is needed");
+    let cases: [(&str, usize, (usize, usize), &str); 23] = [
+        ("", 4, (1, 1), "ends where point 0 should"),
+        ("x,y\n", 2, (2, 1), "ends where point 0 should"),
+        ("1,2\n3,inf\n", 2, (2, 3), "y of point 1 is `inf`"),
+        ("1,2\n3,1e39\n", 2, (2, 3), "beyond the range"),
+        ("1,2\n3,NaN\n", 2, (2, 3), "finite"),
+        // No names of columns.
+        ("nan,2\n3,4\n", 2, (1, 1), "x of point 0 is `nan`"),
+        ("Infinity,2\n3,4\n", 2, (1, 1), "x of point 0 is `Infinity`"),
+        ("inf , nan\n3,4\n", 2, (1, 1), "x of point 0 is `inf`"),
+        ("a,2\n3,4\n", 2, (1, 1), "`a` stands where x of point 0 should"),
+        ("x,y\nx,y\n", 2, (2, 1), "`x` stands where x of point 0 should"),
+        ("1,2\n3\n", 2, (2, 1), "columns of this row: 1, of the first: 2"),
+        ("1,2\n3,4,5\n", 3, (2, 1), "columns of this row: 3, of the first: 2"),
+        ("1,2,3,4,5\n", 4, (1, 1), "5 columns where a point is x,y or x,y,z or x,y,z,w"),
+        ("1;2\n", 3, (1, 1), "1 column where a point is x,y or x,y,z, with commas between"),
+        ("1 2\n", 2, (1, 1), "1 column where a point is x,y, with commas between"),
+        ("1,2\n3,\n", 2, (2, 3), "a number is needed"),
+        // Decimal commas, and columns that are no coordinates.
+        ("0,5,1,5\n", 2, (1, 1), "4 columns where a point is x,y, with commas"),
+        ("0,5,1,5\n", 3, (1, 1), "points in decimals, as in 0.5,1.5"),
+        ("x,y\n0,5,1\n", 2, (2, 1), "3 columns where"),
+        ("id,x,y\n1,0,0\n", 3, (1, 1), "the columns are id,x,y; they should be x,y or x,y,z, in this order"),
+        ("x,y,id\n0,0,1\n", 3, (1, 5), "the columns are x,y,id"),
+        ("y,x\n0,0\n", 2, (1, 1), "the columns are y,x"),
+        ("symbol,v.x,v.y\nP,0,0\n", 3, (1, 1), "the columns are symbol,v.x,v.y"),
+    ];
+    for (text, coordinates, place, says) in cases {
+        refused(csv::parse(text.as_bytes(), coordinates), place, says);
+    }
+    for names in ["x,y", "X, Y", "\"x\",\"y\"", "v.x,v.y", "x [mm],y [mm]", "lon,lat", "#x,y", "größe,höhe"]
+    {
+        let text = format!("{names}\n1,2\n");
+        let read = csv::parse(text.as_bytes(), 2).unwrap_or_else(|e| panic!("{names}: {e}"));
+        assert_eq!(read, [Polyline::from(vec![[1.0, 2.0, 0.0, 1.0]])], "{names}");
+    }
     refused(obj::lines(b"# nothing\n"), (1, 10), "ends where vertex 1 should");
     refused(obj::lines(b"v 0 0 0\nv 0 nan 0\n"), (2, 5), "finite");
     refused(obj::lines(b"v 0 0\n"), (1, 1), "2 numbers for vertex 1");
     refused(obj::lines(b"v 0 0 0\nl 1 2\n"), (2, 5), "names the vertex 2, but the file has 1");
     // A point is a curve: alone it is its own neighbour.
-    assert_eq!(csv::parse(b"1,2").expect("a point"), [[[1.0, 2.0, 0.0, 1.0]]]);
-    assert_eq!(obj::lines(b"v 1 2 3").expect("a point"), [[[1.0, 2.0, 3.0, 1.0]]]);
+    assert_eq!(csv::parse(b"1,2", 2).expect("a point"), [Polyline::from(vec![[1.0, 2.0, 0.0, 1.0]])]);
+    assert_eq!(obj::lines(b"v 1 2 3").expect("a point").value, [Polyline::from(vec![[1.0, 2.0, 3.0, 1.0]])]);
     // A row as long as the file costs no more than to read it.
     let long = [b"1,".repeat(2_000_000), b"1\n".to_vec()].concat();
-    refused(csv::parse(&long), (1, 1), "numbers in this row: 5,");
+    refused(csv::parse(&long, 4), (1, 1), "100 columns or more where");
     let long = in_svg(&format!("<path d='M0 0L{}x'/>", "1 ".repeat(2_000_000)));
     refused(svg::parse(long.as_bytes()), (2, 4_000_015), "`x`");
     let deep = in_svg(&format!("{}<line x2='1'/>{}", "<g>".repeat(50_000), "</g>".repeat(50_000)));
-    assert_eq!(svg::parse(deep.as_bytes()).expect("a line").len(), 1);
+    assert_eq!(svg::parse(deep.as_bytes()).expect("a line").value.len(), 1);
 }
 
 fn word(topology: Topology, points: &[[f32; 3]]) -> Word {
@@ -183,12 +94,12 @@ proptest! {
     ) {
         let topology = if ring { Topology::Ring } else { Topology::Open };
         let text = written(&word(topology, &points), &Style { points: marked, ..Style::default() });
-        let curves = svg::parse(&text).expect("what is written is read");
-        let mut expected: Polyline = points.iter().map(|&[x, y, _]| [x, y, 0.0, 1.0]).collect();
+        let curves = svg::parse(&text).expect("what is written is read").value;
+        let mut expected: Vec<[f32; 4]> = points.iter().map(|&[x, y, _]| [x, y, 0.0, 1.0]).collect();
         if expected.first() == expected.last() {
             expected.pop();
         }
-        prop_assert_eq!(curves, [expected]);
+        prop_assert_eq!(curves, [Polyline { points: expected, closed: Some(ring) }]);
     }
 }
 
@@ -320,7 +231,7 @@ fn a_tree_is_a_line_for_each_axis() {
     assert_eq!(widths, [(2, 2.0), (2, 0.5), (3, 1.0)]);
     let mut text = Vec::new();
     obj::write_lines(&mut text, &[&tree]).expect("memory");
-    assert_eq!(obj::lines(&text).expect("what is written").len(), 2);
+    assert_eq!(obj::lines(&text).expect("what is written").value.len(), 2);
 }
 
 #[test]
@@ -364,12 +275,13 @@ fn several_words_are_one_file() {
     let expected: Vec<usize> = words.iter().map(|word| word.modules.len()).collect();
     let mut text = Vec::new();
     csv::write(&mut text, &all).expect("memory");
-    let read = csv::parse(&text).expect("what is written is read");
-    assert_eq!(read.iter().map(Vec::len).collect::<Vec<_>>(), expected);
+    let read = csv::parse(&text, 3).expect("what is written is read");
+    assert_eq!(read.iter().map(|curve| curve.points.len()).collect::<Vec<_>>(), expected);
     let mut text = Vec::new();
     obj::write_lines(&mut text, &all).expect("memory");
-    let read = obj::lines(&text).expect("what is written is read");
-    assert_eq!(read.iter().map(Vec::len).collect::<Vec<_>>(), expected);
+    let read = obj::lines(&text).expect("what is written is read").value;
+    assert!(read.iter().all(|curve| curve.closed == Some(true)));
+    assert_eq!(read.iter().map(|curve| curve.points.len()).collect::<Vec<_>>(), expected);
     let text = String::from_utf8(text).expect("UTF-8");
     assert!(text.contains("o s & <t>_0\n") && text.contains("o s & <t>_1\n"), "{text}");
     let infinite = word(Topology::Open, &[[0.0; 3], [0.0, 0.0, f32::INFINITY]]);
@@ -383,4 +295,27 @@ fn several_words_are_one_file() {
         ["module 1 of word 1", "point 1 of word 1"]
             .map(|element| { format!("{element} holds inf, which is not a finite number") })
     );
+}
+
+/// What closes a polygon in a table stands at both of its ends; a module without parameters has a row, too.
+#[test]
+fn csv_of_polygons_and_of_symbols() {
+    let square = csv::parse(b"0,0\n1,0\n1,1\n0,0\n\n2,2\n3,3\n2,2\n", 2).expect("two curves");
+    assert_eq!((square[0].points.len(), square[0].closed), (3, Some(true)));
+    assert_eq!((square[1].points.len(), square[1].closed), (3, None));
+    let symbol = |name: &str| Symbol { name: name.to_string(), fields: Vec::new() };
+    let module = |symbol| Module { symbol, params: Vec::new(), path: 0, parent: None, lateral: false };
+    let base = word(Topology::Open, &[]);
+    let one = Word { symbols: vec![symbol("F")], modules: vec![module(0); 2], ..base.clone() };
+    let two = Word { symbols: vec![symbol("F"), symbol("G")], modules: [0, 1].map(module).to_vec(), ..base };
+    for (words, expected) in [
+        (vec![&one], "symbol\nF\nF\n"),
+        (vec![&one, &one], "symbol\nF\nF\n\nF\nF\n"),
+        (vec![&two], "symbol\nF\nG\n"),
+    ] {
+        let mut text = Vec::new();
+        csv::write(&mut text, &words).expect("memory");
+        assert_eq!(String::from_utf8_lossy(&text), expected);
+        refused(csv::parse(&text, 3), (2, 1), "1 column where");
+    }
 }

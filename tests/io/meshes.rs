@@ -1,7 +1,7 @@
-//! `.ply` and `.glb`, read back by readers of others.
+//! `.ply`, `.stl` and `.glb`, read back by readers of others.
 
 use super::{SQUARE, TEAPOT};
-use burgeon::io::{bpt, glb, ply};
+use burgeon::io::{bpt, glb, ply, stl};
 use burgeon::patch::{Net, Word};
 use burgeon::tessellate::{Mesh, Up, dice};
 use ply_rs_bw::parser::Parser;
@@ -87,6 +87,62 @@ mod ply_meshes {
         mesh.normals[3][1] = f32::NAN;
         let error = ply::write(&mut Vec::new(), &mesh, "").expect_err("NaN").to_string();
         assert_eq!(error, "the normal of vertex 3 holds NaN, which is not a finite number");
+    }
+}
+
+mod stl_meshes {
+    use super::*;
+    use std::io::Cursor;
+
+    fn written(mesh: &Mesh, name: &str) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        stl::write(&mut bytes, mesh, name).expect("finite");
+        bytes
+    }
+
+    #[test]
+    fn read_back() {
+        for mesh in meshes() {
+            let bytes = written(&mesh, "a mesh");
+            assert_eq!(bytes.len(), 84 + 50 * mesh.indices.len() / 3);
+            let read: Vec<stl_io::Triangle> = stl_io::create_stl_reader(&mut Cursor::new(&bytes))
+                .expect("an stl")
+                .collect::<Result<_, _>>()
+                .expect("triangles");
+            assert_eq!(read.len(), mesh.indices.len() / 3);
+            for (triangle, corners) in read.iter().zip(mesh.indices.as_chunks::<3>().0) {
+                let expected = corners.map(|corner| mesh.positions[corner as usize]);
+                assert_eq!(triangle.vertices.map(|v| v.0), expected);
+                // A unit, from where the corners run counter-clockwise; none where there is no area.
+                let normal = triangle.normal.0;
+                let length = normal.iter().map(|x| x * x).sum::<f32>().sqrt();
+                let [a, b, c] = expected.map(|p| p.map(f64::from));
+                let side = |k: usize, l: usize| (b[k] - a[k]) * (c[l] - a[l]) - (b[l] - a[l]) * (c[k] - a[k]);
+                let facing: f64 = (0..3).map(|k| side((k + 1) % 3, (k + 2) % 3) * f64::from(normal[k])).sum();
+                assert!(length == 0.0 || ((length - 1.0).abs() < 1e-6 && facing > 0.0), "{triangle:?}");
+            }
+        }
+        let square = meshes().remove(0);
+        let first = stl_io::read_stl(&mut Cursor::new(&written(&square, ""))).expect("an stl");
+        assert!(first.faces.iter().all(|face| face.normal.0 == [0.0, 0.0, 1.0]));
+    }
+
+    #[test]
+    fn names() {
+        let mesh = meshes().remove(0);
+        for name in ODD.into_iter().chain([&"long ".repeat(40)[..]]) {
+            let bytes = written(&mesh, name);
+            assert!(bytes[..80].starts_with(b"burgeon ") && bytes[..80].is_ascii(), "{name}");
+            assert_eq!(bytes[80..84], (mesh.indices.len() as u32 / 3).to_le_bytes());
+        }
+    }
+
+    #[test]
+    fn numbers_that_are_not_finite() {
+        let mut mesh = meshes().remove(0);
+        mesh.positions[1][0] = f32::INFINITY;
+        let error = stl::write(&mut Vec::new(), &mesh, "").expect_err("infinity").to_string();
+        assert_eq!(error, "the position of vertex 1 holds inf, which is not a finite number");
     }
 }
 

@@ -111,7 +111,7 @@ fn words_beyond_a_binding_are_derived_in_pieces_or_refused() {
     let system = System::parse(TREE).unwrap_or_else(|e| panic!("{e}"));
     let axiom = |points: usize| {
         let points: Vec<[f32; 4]> = (0..points).map(|n| [n as f32, 0.0, 0.0, 1.0]).collect();
-        curve::Axiom::load::<String>(&system, &mut |_| Ok(vec![points.clone()])).expect("an axiom")
+        curve::Axiom::load::<String>(&system, &mut |_| Ok(vec![points.clone().into()])).expect("an axiom")
     };
     let (alone, together) = (Plan::new(&system).expect("a plan"), Plan::of_words(&system).expect("a plan"));
     for (points, after) in [(5000, 0), (2000, 1), (1000, 2), (500, 3)] {

@@ -57,7 +57,7 @@ pub(super) fn derived_case<'a, B: Backend + 'a>(
     fail: impl Fn(B::Error) -> Failure + Copy + 'a,
 ) -> Result<Case<'a>, Failure> {
     let points = control();
-    let axiom = Axiom::load::<String>(&plan.system, &mut |_| Ok(vec![points.clone()]));
+    let axiom = Axiom::load::<String>(&plan.system, &mut |_| Ok(vec![points.clone().into()]));
     let axiom = axiom.map_err(|e| Failure::File(format!("error: {e}")))?;
     let items = (CONTROL as u64) << STEPS;
     let run = move || {

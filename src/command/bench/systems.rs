@@ -80,7 +80,8 @@ fn of(text: &str, plan: fn(&System) -> Result<Plan, Unsupported>) -> Result<Plan
 /// 32 patches of a file, or as many made ones.
 pub(super) fn roots(input: Option<&Path>) -> Result<Vec<Net>, Failure> {
     let Some(path) = input else { return Ok(made(32, [3, 3], false)) };
-    burgeon::io::read_nets(path, Default::default()).map_err(|e| Failure::File(format!("error: {e}")))
+    let read = burgeon::io::read_nets(path, Default::default());
+    read.map(|read| read.value).map_err(|e| Failure::File(format!("error: {e}")))
 }
 
 /// Hilly nets.

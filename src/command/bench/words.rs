@@ -41,7 +41,7 @@ fn points(count: usize) -> Vec<[f32; 4]> {
 }
 
 fn axiom(plan: &Plan, count: usize) -> Result<Axiom, Failure> {
-    let axiom = Axiom::load::<String>(&plan.system, &mut |_| Ok(vec![points(count)]));
+    let axiom = Axiom::load::<String>(&plan.system, &mut |_| Ok(vec![points(count).into()]));
     axiom.map_err(|e| Failure::File(format!("error: {e}")))
 }
 

@@ -8,56 +8,66 @@ use crate::curve::Word;
 use crate::language::Value;
 use std::io::Write;
 
-/// Reads curves: a point a row, an empty row between curves. A first row that begins with a letter names the columns.
+/// Reads curves: a point a row, an empty row between curves, `coordinates` (2 to 4) columns at most. A first row without
+/// a number names the columns; where it names one of x, y, z and w, or `NAME.x` and so on, they must stand in this order.
+/// A curve of four rows or more that ends in its first point has it once and is closed; of others the file does not say
+/// whether they are.
 ///
 /// # Errors
-/// A cell that is no finite number, a row of less than two numbers or more than four, or of another number of them than
-/// the first.
-pub fn parse(text: &[u8]) -> Result<Vec<Polyline>, ParseError> {
-    curves(text).map_err(|wrong| wrong.locate(text))
+/// A cell that is no finite number, a row of fewer than two or of too many columns, or of another number than the first.
+pub fn parse(text: &[u8], coordinates: usize) -> Result<Vec<Polyline>, ParseError> {
+    curves(text, coordinates.clamp(2, 4)).map_err(|wrong| wrong.locate(text))
 }
 
-fn curves(text: &[u8]) -> Result<Vec<Polyline>, Wrong> {
-    let mut curves: Vec<Polyline> = vec![Vec::new()];
+/// The columns that are taken.
+fn wanted(coordinates: usize) -> &'static str {
+    ["x,y", "x,y or x,y,z", "x,y or x,y,z or x,y,z,w"][coordinates - 2]
+}
+
+fn curves(text: &[u8], coordinates: usize) -> Result<Vec<Polyline>, Wrong> {
+    let mut curves: Vec<Vec<[f32; 4]>> = vec![Vec::new()];
     let mut offset = if text.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
-    let (mut columns, mut row) = (None, 0);
+    let (mut columns, mut row, mut points) = (None, 0, 0);
     for line in text[offset..].split_inclusive(|&byte| byte == b'\n') {
         let start = offset;
         offset += line.len();
-        let cells = line.trim_ascii();
-        if cells.is_empty() {
+        if line.trim_ascii().is_empty() {
             if curves.last().is_some_and(|curve| !curve.is_empty()) {
                 curves.push(Vec::new());
             }
             continue;
         }
         row += 1;
-        if row == 1 && cells[0].is_ascii_alphabetic() {
+        let cells = || cells_of(line, start);
+        if row == 1 && is_header(cells()) {
+            check_names(cells(), coordinates)?;
             continue;
         }
-        let point = curves.iter().map(Vec::len).sum();
-        let mut values = Vec::new();
-        let mut at = start;
-        for cell in line.split(|&byte| byte == b',') {
-            // An empty cell is wrong where it begins, not behind its line break.
-            let blank = cell.iter().position(|byte| !byte.is_ascii_whitespace()).unwrap_or(0);
-            let token = Token { text: cell.trim_ascii(), offset: at + blank };
-            values.push(token.finite(Element::CurveCoordinate { point, axis: values.len().min(3) })?);
-            at += cell.len() + 1;
-            if values.len() > 4 {
-                break;
-            }
+        // A row may be as long as the file.
+        let found = cells().take(MOST_COLUMNS).count();
+        let first = *columns.get_or_insert(found);
+        if !(2..=coordinates).contains(&found) && found == first {
+            let found = match found {
+                1 => "1 column".to_string(),
+                MOST_COLUMNS => format!("{found} columns or more"),
+                _ => format!("{found} columns"),
+            };
+            return Err(Wrong {
+                offset: start,
+                problem: Problem::Columns { found, wanted: wanted(coordinates) },
+            });
         }
-        let wanted = *columns.get_or_insert(values.len());
-        if values.len() != wanted || !(2..=4).contains(&wanted) {
-            let problem = Problem::Row { found: values.len(), first: wanted };
-            return Err(Wrong { offset: start, problem });
+        let mut point = [0.0, 0.0, 0.0, 1.0];
+        for (axis, (value, cell)) in point.iter_mut().zip(cells()).enumerate() {
+            *value = cell.finite(coordinate(points, axis))?;
         }
-        let mut coordinates = [0.0, 0.0, 0.0, 1.0];
-        coordinates[..values.len()].copy_from_slice(&values);
+        if found != first {
+            return Err(Wrong { offset: start, problem: Problem::Row { found, first } });
+        }
         if let Some(curve) = curves.last_mut() {
-            curve.push(coordinates);
+            curve.push(point);
         }
+        points += 1;
     }
     curves.retain(|curve| !curve.is_empty());
     if curves.is_empty() {
@@ -66,10 +76,69 @@ fn curves(text: &[u8]) -> Result<Vec<Polyline>, Wrong> {
             problem: Problem::Missing(Element::CurvePoint { point: 0 }),
         });
     }
-    Ok(curves)
+    Ok(curves.into_iter().map(ended).collect())
 }
 
-/// Writes a row for each module: its symbol where there are several, then its parameters, a vector's components in
+/// Columns that are counted.
+const MOST_COLUMNS: usize = 100;
+
+fn coordinate(point: usize, axis: usize) -> Element {
+    Element::CurveCoordinate { point, axis }
+}
+
+fn cells_of(line: &[u8], start: usize) -> impl Iterator<Item = Token<'_>> {
+    let mut at = start;
+    line.split(|&byte| byte == b',').map(move |cell| {
+        // An empty cell is wrong where it begins, not after its line break.
+        let blank = cell.iter().position(|byte| !byte.is_ascii_whitespace()).unwrap_or(0);
+        let token = Token { text: cell.trim_ascii(), offset: at + blank };
+        at += cell.len() + 1;
+        token
+    })
+}
+
+/// Names of columns: no cell is a number, of which NaN is one, and the first begins as a name does.
+fn is_header<'a>(mut cells: impl Iterator<Item = Token<'a>>) -> bool {
+    let name = |cell: &Token| {
+        matches!(cell.text.first(), Some(b'"' | b'_' | b'#' | b'a'..=b'z' | b'A'..=b'Z' | 0x80..))
+    };
+    let number = |cell: &Token| cell.parse::<f64>().is_some();
+    let first = cells.next();
+    first.is_some_and(|cell| name(&cell) && !number(&cell)) && !cells.any(|cell| number(&cell))
+}
+
+/// Where one of the names is that of a coordinate, all are, in their order.
+fn check_names<'a>(cells: impl Iterator<Item = Token<'a>>, coordinates: usize) -> Result<(), Wrong> {
+    const AXES: [&str; 4] = ["x", "y", "z", "w"];
+    let names: Vec<(Token, String)> = cells.take(MOST_COLUMNS).map(|cell| (cell, axis_of(&cell))).collect();
+    let known = |name: &str| AXES.contains(&name);
+    let wrong = names.iter().enumerate().find(|(n, (_, name))| AXES.get(*n).is_none_or(|axis| axis != name));
+    match wrong {
+        Some((_, (cell, _))) if names.iter().any(|(_, name)| known(name)) => {
+            let found = names.iter().take(8).map(|(cell, _)| cell.shown()).collect::<Vec<_>>().join(",");
+            Err(cell.wrong(Problem::ColumnNames { found, wanted: wanted(coordinates) }))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The axis that a name of a column ends in, as in `v.x`, `"X"` and `x [mm]`.
+fn axis_of(cell: &Token) -> String {
+    let name = String::from_utf8_lossy(cell.text).to_ascii_lowercase();
+    let name = name.trim_matches(|c: char| c == '"' || c == '#' || c.is_whitespace());
+    let name = name.split_whitespace().next().unwrap_or_default();
+    name.rsplit('.').next().unwrap_or_default().to_string()
+}
+
+fn ended(mut points: Vec<[f32; 4]>) -> Polyline {
+    if points.len() > 3 && points.first() == points.last() {
+        points.pop();
+        return Polyline { points, closed: Some(true) };
+    }
+    points.into()
+}
+
+/// Writes a row for each module: its symbol where there are several or a module has no parameters, then its parameters, a vector's components in
 /// columns of their own; an empty row between words. The first row names the columns of the first module's symbol.
 ///
 /// # Errors
@@ -78,6 +147,8 @@ pub fn write(writer: &mut dyn Write, words: &[&Word]) -> Result<(), WriteError> 
     let mut all = words.iter().flat_map(|word| word.modules.iter().map(move |module| (word, module)));
     let first = all.next();
     let several = all.any(|(_, m)| first.is_some_and(|(_, first)| first.symbol != m.symbol));
+    // A module without parameters would be an empty row.
+    let several = several || words.iter().any(|word| word.modules.iter().any(|m| m.params.is_empty()));
     if let Some((word, first)) = first {
         let fields = &word.symbols[first.symbol].fields;
         let mut names: Vec<String> = several.then(|| "symbol".to_string()).into_iter().collect();

@@ -6,8 +6,10 @@ mod picture;
 pub mod raster;
 pub mod svg;
 
+pub use crate::curve::Polyline;
 pub use picture::{Panel, Picture, Stroke, Style};
 
+use super::Noted;
 use super::obj;
 use super::text::ReadError;
 use crate::curve::{Module, Word};
@@ -15,20 +17,17 @@ use crate::language::Value;
 use crate::language::system::Topology;
 use std::path::Path;
 
-/// Points of a curve, x, y, z and a fourth coordinate, 1 where a file has none.
-pub type Polyline = Vec<[f32; 4]>;
-
 /// Reads the curves of a file, by its extension: `.obj` (vertices, and lines if there are any), `.csv` or
-/// `.svg`.
+/// `.svg`. `coordinates`, of 2 to 4, are how many of a point are wanted: a `.csv` may not have more columns.
 ///
 /// # Errors
 /// When the file cannot be read or is not of its format.
-pub fn read(path: impl AsRef<Path>) -> Result<Vec<Polyline>, ReadError> {
+pub fn read(path: impl AsRef<Path>, coordinates: usize) -> Result<Noted<Vec<Polyline>>, ReadError> {
     let path = path.as_ref();
     let extension = path.extension().map(|e| e.to_ascii_lowercase());
     match extension.as_ref().and_then(|e| e.to_str()) {
         Some("obj") => ReadError::in_file(path, obj::lines),
-        Some("csv") => ReadError::in_file(path, csv::parse),
+        Some("csv") => ReadError::in_file(path, |text| Ok(csv::parse(text, coordinates)?.into())),
         Some("svg") => ReadError::in_file(path, svg::parse),
         _ => {
             let help = "the points of curves are read from .obj, .csv and .svg";

@@ -1,53 +1,48 @@
 //! Lines: the curves of a text.
 
+use super::super::notes::{Noted, Tally};
 use super::super::number::{write_each, write_usize};
-use super::super::text::{Element, ParseError, Problem, Wrong};
+use super::super::text::{Element, ParseError, Problem, Token, Wrong};
 use super::super::write::{WriteError, one_line, write_in_blocks};
-use super::read::{statements, vertex};
+use super::chain::{Chain, chains};
+use super::read::{joined, statements, vertex};
 use crate::curve::Word;
 use crate::io::curves::{self, Polyline};
 use std::io::Write;
 
-/// Reads a curve for each `l`; where there is none, all vertices in their order are one. A line that ends at its first
-/// vertex has it once.
+/// Reads a curve for each `l`; where there is none, all vertices in their order are one. Lines that share an end are
+/// one, in whatever order and direction they stand, as where each edge is a line; where three edges meet, lines end. A
+/// line that ends at its first vertex has it once and is closed. A fourth number of a vertex is its fourth coordinate,
+/// and a weight to nothing here. Faces and points are skipped, and a note counts them.
 ///
 /// # Errors
-/// A vertex that is none, a line that names a vertex that is not there, a text without vertices.
-pub fn parse(text: &[u8]) -> Result<Vec<Polyline>, ParseError> {
-    curves(text).map_err(|wrong| wrong.locate(text))
+/// A vertex that is none, a line of fewer than two vertices or that names one that is not there, a text without vertices.
+pub fn parse(text: &[u8]) -> Result<Noted<Vec<Polyline>>, ParseError> {
+    curves(&joined(text)).map_err(|wrong| wrong.locate(text))
 }
 
-fn curves(text: &[u8]) -> Result<Vec<Polyline>, Wrong> {
-    let mut vertices: Polyline = Vec::new();
+fn curves(text: &[u8]) -> Result<Noted<Vec<Polyline>>, Wrong> {
+    let mut vertices: Vec<[f32; 4]> = Vec::new();
     let mut lines: Vec<Vec<usize>> = Vec::new();
+    let mut skipped = Tally::default();
     let all = || statements(text).filter_map(|mut tokens| Some((tokens.next()?, tokens)));
     let count = all().filter(|(keyword, _)| keyword.text == b"v").count();
     for (keyword, rest) in all() {
         match keyword.text {
-            b"v" => vertices.push(vertex(&keyword, rest, vertices.len() + 1, true)?.map(|x| x as f32)),
+            b"v" => vertices.push(vertex(&keyword, rest, vertices.len() + 1)?.0.map(|x| x as f32)),
             b"l" => {
-                let mut line = Vec::new();
-                for token in rest {
-                    // `v/vt` is allowed here, too.
-                    let index = token.text.split(|&byte| byte == b'/').next().unwrap_or_default();
-                    let index = std::str::from_utf8(index).ok().and_then(|text| text.parse::<i64>().ok());
-                    let element = Element::Line { line: lines.len() + 1 };
-                    let found = || token.shown();
-                    let index = index
-                        .filter(|&i| i != 0)
-                        .ok_or_else(|| token.wrong(Problem::Corner { face: element, found: found() }))?;
-                    let place = if index > 0 { index - 1 } else { vertices.len() as i64 + index };
-                    match usize::try_from(place).ok().filter(|&place| place < count) {
-                        Some(place) => line.push(place),
-                        None => {
-                            let (face, found) = (element, index.to_string());
-                            return Err(token.wrong(Problem::NoVertex { face, found, vertices: count }));
-                        }
-                    }
+                let element = Element::Line { line: lines.len() + 1 };
+                let line: Result<Vec<usize>, Wrong> =
+                    rest.map(|token| index(&token, element, vertices.len(), count)).collect();
+                let line = line?;
+                if line.len() < 2 {
+                    return Err(keyword.wrong(Problem::ShortLine { line: element, found: line.len() }));
                 }
                 lines.push(line);
             }
-            b"vt" | b"vn" | b"vp" | b"g" | b"o" | b"s" | b"f" | b"p" | b"t" | b"usemtl" | b"mtllib" => {}
+            b"f" => skipped.add("face"),
+            b"p" => skipped.add("point"),
+            b"vt" | b"vn" | b"vp" | b"g" | b"o" | b"s" | b"t" | b"usemtl" | b"mtllib" => {}
             _ => return Err(keyword.wrong(Problem::Statement { found: keyword.shown() })),
         }
     }
@@ -55,18 +50,37 @@ fn curves(text: &[u8]) -> Result<Vec<Polyline>, Wrong> {
         let offset = text.trim_ascii_end().len();
         return Err(Wrong { offset, problem: Problem::Missing(Element::Vertex { vertex: 1 }) });
     }
-    if lines.is_empty() {
-        return Ok(vec![vertices]);
+    let all = lines.len();
+    lines.retain(|line| line.iter().any(|&vertex| vertex != line[0]));
+    (lines.len()..all).for_each(|_| skipped.add("line from a vertex to itself"));
+    let curves = if all == 0 {
+        vec![vertices.into()]
+    } else {
+        let curve = |chain: Chain| {
+            let points = chain.vertices.into_iter().map(|place| vertices[place]).collect();
+            Polyline { points, closed: Some(chain.closed) }
+        };
+        chains(lines, count).into_iter().map(curve).collect()
+    };
+    Ok(Noted { value: curves, notes: skipped.note().into_iter().collect() })
+}
+
+/// The vertex that a line names, from 0. Negative ones count back from those `before` the line.
+fn index(token: &Token, line: Element, before: usize, count: usize) -> Result<usize, Wrong> {
+    // `v/vt` is allowed here, too.
+    let index = token.text.split(|&byte| byte == b'/').next().unwrap_or_default();
+    let index = std::str::from_utf8(index).ok().and_then(|text| text.parse::<i64>().ok());
+    let index = index
+        .filter(|&i| i != 0)
+        .ok_or_else(|| token.wrong(Problem::Corner { face: line, found: token.shown() }))?;
+    let place = if index > 0 { Some(index - 1) } else { (before as i64).checked_add(index) };
+    match place.and_then(|place| usize::try_from(place).ok()).filter(|&place| place < count) {
+        Some(place) => Ok(place),
+        None => {
+            let (face, found) = (line, index.to_string());
+            Err(token.wrong(Problem::NoVertex { face, found, vertices: count }))
+        }
     }
-    Ok(lines
-        .into_iter()
-        .map(|mut line| {
-            if line.len() > 1 && line.first() == line.last() {
-                line.pop();
-            }
-            line.into_iter().map(|place| vertices[place]).collect()
-        })
-        .collect())
 }
 
 /// Writes the curves of some words: an `o` for each word, a `v` for each point, an `l` for each curve, which ends at its

@@ -1,5 +1,6 @@
 //! Wavefront `.obj`: triangle meshes out, the control points of B-splines in.
 
+mod chain;
 mod grid;
 mod lines;
 mod read;
@@ -29,14 +30,15 @@ pub fn read_bspline(path: impl AsRef<Path>, rational: bool) -> Result<Vec<Net>, 
 /// the origin is the corner of the grid where both begin, or the first corner of the first face along
 /// a direction that is closed. So the normal S_u × S_v points to where the faces are counter-clockwise.
 ///
-/// Points are `v x y z` or, with a weight, `v x y z w`; unless `rational`, all weights must be 1. A
+/// Points are `v x y z` or, with a weight, `v x y z w`, which is no factor of x, y and z; unless `rational`,
+/// all weights must be 1. A
 /// colour, `v x y z r g b`, is passed over, and so are texture coordinates, normals, groups,
 /// materials, and vertices of no face.
 ///
 /// # Errors
 /// The first thing that is wrong in the text, or what keeps its faces from being a grid.
 pub fn parse_bspline(text: &[u8], rational: bool) -> Result<Vec<Net>, ParseError> {
-    let polygons = read::polygons(text, rational).map_err(|wrong| wrong.locate(text))?;
+    let polygons = read::polygons(&read::joined(text), rational).map_err(|wrong| wrong.locate(text))?;
     let grid = grid::control_grid(&polygons).map_err(|wrong| wrong.locate(text))?;
     Ok(grid.nets())
 }

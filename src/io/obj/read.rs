@@ -1,6 +1,7 @@
 //! The vertices and faces of a text.
 
 use super::super::text::{Element, Problem, Token, Tokens, Wrong};
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// Vertices and faces in the order of the text.
@@ -40,7 +41,12 @@ pub fn polygons(text: &[u8], rational: bool) -> Result<Polygons, Wrong> {
     for (keyword, rest) in lines() {
         match keyword.text {
             b"v" => {
-                let point = vertex(&keyword, rest, read.vertices.len() + 1, rational)?;
+                let number = read.vertices.len() + 1;
+                let (point, weight) = vertex(&keyword, rest, number)?;
+                let point = match weight {
+                    Some(weight) => weighted(&keyword, point, &weight, number, rational)?,
+                    None => point,
+                };
                 read.vertices.push(Vertex { point, offset: keyword.offset });
             }
             b"f" => {
@@ -70,27 +76,51 @@ pub(super) fn statements(text: &[u8]) -> impl Iterator<Item = Tokens<'_>> {
     })
 }
 
-pub(super) fn vertex(
+/// The text in which a line that ends in `\\` goes on in the next one: the break is blank, so that every place stays where
+/// it is. A comment ends with its line.
+pub(super) fn joined(text: &[u8]) -> Cow<'_, [u8]> {
+    let mut joined = Cow::Borrowed(text);
+    let mut start = 0;
+    for line in text.split_inclusive(|&byte| byte == b'\n') {
+        let end = start + line.trim_ascii_end().len();
+        let last = start + line.len();
+        if line.ends_with(b"\n") && text[start..end].ends_with(b"\\") && !line.contains(&b'#') {
+            joined.to_mut()[end - 1..last].fill(b' ');
+        }
+        start = last;
+    }
+    joined
+}
+
+/// The numbers of a vertex as they are written, 1 for a fourth that is not there, and the token of the fourth.
+pub(super) fn vertex<'a>(
     keyword: &Token,
-    rest: Tokens,
+    rest: Tokens<'a>,
     vertex: usize,
-    rational: bool,
-) -> Result<[f64; 4], Wrong> {
+) -> Result<([f64; 4], Option<Token<'a>>), Wrong> {
     let found = rest.clone().count();
     if !matches!(found, 3 | 4 | 6) {
         return Err(keyword.wrong(Problem::Vertex { vertex: Element::Vertex { vertex }, found }));
     }
-    let mut point = [0.0, 0.0, 0.0, 1.0];
+    let (mut point, mut fourth) = ([0.0, 0.0, 0.0, 1.0], None);
     for (axis, token) in rest.take(if found == 4 { 4 } else { 3 }).enumerate() {
-        let element = Element::VertexCoordinate { vertex, axis };
-        if axis == 3 {
-            let weight = f64::from(token.weight(element, rational)?);
-            point = [point[0] * weight, point[1] * weight, point[2] * weight, weight];
-        } else {
-            token.finite(element)?;
-            point[axis] = token.parse().unwrap_or(f64::NAN);
-        }
+        token.finite(Element::VertexCoordinate { vertex, axis })?;
+        point[axis] = token.parse().unwrap_or(f64::NAN);
+        fourth = (axis == 3).then_some(token);
     }
+    Ok((point, fourth))
+}
+
+/// A control point of a rational surface: its weight is no factor of what the file holds, but of what a net does.
+fn weighted(
+    keyword: &Token,
+    [x, y, z, _]: [f64; 4],
+    weight: &Token,
+    vertex: usize,
+    rational: bool,
+) -> Result<[f64; 4], Wrong> {
+    let weight = f64::from(weight.weight(Element::VertexCoordinate { vertex, axis: 3 }, rational)?);
+    let point = [x * weight, y * weight, z * weight, weight];
     match point.iter().position(|&x| !(x as f32).is_finite()) {
         None => Ok(point),
         Some(axis) => {

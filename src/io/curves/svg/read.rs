@@ -1,27 +1,81 @@
-//! Curves from `.svg`.
+//! Curves from `.svg`: the elements that are rendered, one after the other.
 
-use super::super::super::text::{Element, ParseError, Problem, Wrong};
-use super::super::Polyline;
-use roxmltree::{Attribute, Document, Node, ParsingOptions};
-use std::str::FromStr;
-use svgtypes::{
-    Error, Length, LengthUnit, NumberListParser, SimplePathSegment, SimplifyingPathParser, Transform,
-};
+use super::shapes::Along;
+use super::style::{Sheet, Style};
+use super::transform::{self, Viewport, into_box, view_box};
+use super::wrong::shown;
+use crate::curve::Polyline;
+use crate::io::Noted;
+use crate::io::notes::Tally;
+use crate::io::text::{ParseError, Problem, Wrong};
+use kurbo::Affine;
+use roxmltree::{Document, Node, NodeId, ParsingOptions};
+use std::collections::HashMap;
+use std::rc::Rc;
 
 const SVG: &str = "http://www.w3.org/2000/svg";
+const XLINK: &str = "http://www.w3.org/1999/xlink";
 
-/// Reads a curve for each `polyline`, `polygon`, `line`, `rect` and subpath of a `path`, with the transforms of their
-/// elements. What is curved in a path becomes so many points that lines between them are off it by a thousandth of the
-/// size of each piece at most. y points down in the file and up in the points. A curve that ends at its first point
-/// has it once. What is not drawn where it stands (`defs`, `symbol`, `marker`, …), text and images are passed over.
+/// Elements that are not rendered where they stand, and what belongs to others. The names of all others that are
+/// neither shapes nor groups are said, since somebody sees them.
+const NOT_RENDERED: [&str; 31] = [
+    "defs",
+    "symbol",
+    "clipPath",
+    "mask",
+    "marker",
+    "pattern",
+    "linearGradient",
+    "radialGradient",
+    "meshgradient",
+    "hatch",
+    "solidcolor",
+    "solidColor",
+    "filter",
+    "style",
+    "script",
+    "title",
+    "desc",
+    "metadata",
+    "view",
+    "cursor",
+    "font",
+    "font-face",
+    "color-profile",
+    "animate",
+    "animateColor",
+    "animateMotion",
+    "animateTransform",
+    "set",
+    "discard",
+    "mpath",
+    "stop",
+];
+
+/// Elements drawn by `use`, and points in all: more come of a few lines that name each other, not of a drawing.
+const MOST_ELEMENTS: usize = 1 << 20;
+const MOST_POINTS: usize = 1 << 25;
+
+/// Reads a curve for each `polyline`, `polygon`, `line`, `rect`, `circle` and `ellipse` and each subpath of a `path`,
+/// with the transforms of their elements; y points down in the file and up in the points.
+///
+/// What is not rendered is not read: what `display` or `visibility` hides, by attribute, `style` or style sheet, what
+/// stands in `defs`, `symbol`, `marker` and their like, and all but the first child of a `switch` whose conditions hold
+/// (the language is English). `use` draws what it names, and an `svg` in another is fitted into its box. The `viewBox` of
+/// the outermost gives the points no scale. Text, images, and shapes without a size are skipped, and a note counts them.
+///
+/// What is curved becomes so many points that lines between them are off it by a thousandth of the size of each piece at
+/// most. A curve that ends at its first point has it once, and is closed; a path does also where rounded numbers miss the
+/// start: by 10⁻⁵ of its size (of a dense one a quarter of a side), or, if it has relative commands and decimals, by 1 + √n units of its last decimal for n
+/// segments, within a twentieth of its size. An arc to its own start adds no point.
 ///
 /// # Errors
-/// XML that is wrong, another shape, what is no number or too large, a file without curves.
-pub fn parse(text: &[u8]) -> Result<Vec<Polyline>, ParseError> {
+/// XML that is wrong, a value that is none, a number that is too large, a `use` in a circle, a file without curves.
+pub fn parse(text: &[u8]) -> Result<Noted<Vec<Polyline>>, ParseError> {
     read(text).map_err(|wrong| wrong.locate(text))
 }
 
-fn read(text: &[u8]) -> Result<Vec<Polyline>, Wrong> {
+fn read(text: &[u8]) -> Result<Noted<Vec<Polyline>>, Wrong> {
     let wrong = |offset, problem: &str| Wrong { offset, problem: Problem::Xml(problem.to_string()) };
     if text.trim_ascii().is_empty() {
         return Err(wrong(0, "the file is empty: an .svg begins with <svg>"));
@@ -40,26 +94,15 @@ fn read(text: &[u8]) -> Result<Vec<Polyline>, Wrong> {
         let found = root.tag_name().name().to_string();
         return Err(Wrong { offset: root.range().start, problem: Problem::NotSvg { found } });
     }
-    let mut curves = Curves { curves: Vec::new(), points: 0 };
-    // No recursion: elements may be nested as deep as the file is long.
-    let mut rest = vec![(root, Transform::default())];
-    while let Some((node, outer)) = rest.pop() {
-        let transform = match node.attribute_node("transform") {
-            Some(attribute) => {
-                let inner = Transform::from_str(attribute.value()).map_err(|_| of_attribute(&attribute))?;
-                product(&outer, &inner)
-            }
-            None => outer,
+    let reader = Reader::new(&document);
+    let (curves, skipped) = reader.all(root)?;
+    if curves.is_empty() {
+        let problem = Problem::NoCurves {
+            skipped: skipped.note().map(|note| format!(" ({note})")).unwrap_or_default(),
         };
-        if node == root || curves.element(&node, &transform)? {
-            let drawn = |n: &Node| n.is_element() && n.tag_name().namespace().is_none_or(|ns| ns == SVG);
-            rest.extend(node.children().rev().filter(drawn).map(|child| (child, transform)));
-        }
+        return Err(Wrong { offset: root.range().start, problem });
     }
-    if curves.curves.is_empty() {
-        return Err(Wrong { offset: root.range().start, problem: Problem::NoCurves });
-    }
-    Ok(curves.curves)
+    Ok(Noted { value: curves, notes: skipped.note().into_iter().collect() })
 }
 
 /// The byte of a place that the XML reader names.
@@ -70,237 +113,220 @@ fn offset_of(text: &str, pos: roxmltree::TextPos) -> usize {
     before + text[before..].char_indices().nth(column).map_or(text.len() - before, |(at, _)| at)
 }
 
-fn of_attribute(attribute: &Attribute) -> Wrong {
-    let (name, found) = (attribute.name().to_string(), shown(attribute.value()));
-    Wrong { offset: attribute.range_value().start, problem: Problem::Attribute { name, found } }
+/// An element that is to be read, and what it inherits.
+#[derive(Clone)]
+struct Place<'a> {
+    node: Node<'a, 'a>,
+    transform: Affine,
+    visible: bool,
+    viewport: Viewport,
+    instance: Option<Rc<Instance<'a>>>,
 }
 
-/// As messages show it: cut short, since a value may be as long as the file.
-fn shown(text: &str) -> String {
-    match text.char_indices().nth(40) {
-        Some((end, _)) => format!("{}…", &text[..end]),
-        None => text.to_string(),
-    }
+/// What a `use` draws.
+struct Instance<'a> {
+    node: Node<'a, 'a>,
+    target: NodeId,
+    within: Option<Rc<Instance<'a>>>,
 }
 
-/// A byte of an attribute's value as one of the file: the first where references stand between.
-fn place(attribute: &Attribute, byte: usize) -> usize {
-    let range = attribute.range_value();
-    if attribute.value().len() == range.len() { range.start + byte } else { range.start }
+/// An element that is drawn.
+pub struct Drawn<'a, 's> {
+    pub node: Node<'a, 'a>,
+    pub style: &'s Style<'a>,
+    pub transform: Affine,
+    pub viewport: Viewport,
 }
 
-fn product(a: &Transform, b: &Transform) -> Transform {
-    let linear = |x: f64, y: f64| [a.a * x + a.c * y, a.b * x + a.d * y];
-    let ([p, q], [r, s], [t, u]) = (linear(b.a, b.b), linear(b.c, b.d), linear(b.e, b.f));
-    Transform::new(p, q, r, s, t + a.e, u + a.f)
+/// Reads the elements of a document.
+pub struct Reader<'a> {
+    sheet: Sheet<'a>,
+    /// Elements by their `id`.
+    named: HashMap<&'a str, Node<'a, 'a>>,
+    read: Vec<Polyline>,
+    /// In all curves.
+    pub points: usize,
+    pub skipped: Tally,
+    /// Elements read as parts of instances.
+    instances: usize,
+    /// No recursion: elements may be nested as deep as the file is long.
+    rest: Vec<Place<'a>>,
 }
 
-struct Curves {
-    curves: Vec<Polyline>,
-    /// In all of them.
-    points: usize,
-}
-
-impl Curves {
-    /// Reads what an element draws. Returns whether its children are to be read.
-    fn element(&mut self, node: &Node, transform: &Transform) -> Result<bool, Wrong> {
-        match node.tag_name().name() {
-            "path" => self.path(node, transform)?,
-            "polyline" | "polygon" => self.points(node, transform)?,
-            "line" => {
-                let [x1, y1, x2, y2] = numbers(node, ["x1", "y1", "x2", "y2"])?;
-                self.shape(node, transform, &[[x1, y1], [x2, y2]])?;
+impl<'a> Reader<'a> {
+    fn new(document: &'a Document) -> Reader<'a> {
+        let mut named = HashMap::new();
+        for node in document.descendants() {
+            if let Some(id) = node.attribute("id") {
+                named.entry(id).or_insert(node);
             }
-            "rect" => {
-                let [x, y, width, height, rx, ry] = numbers(node, ["x", "y", "width", "height", "rx", "ry"])?;
-                if rx != 0.0 || ry != 0.0 {
-                    return Err(no_lines(node, "rect with round corners"));
-                }
-                let (right, bottom) = (x + width, y + height);
-                self.shape(node, transform, &[[x, y], [right, y], [right, bottom], [x, bottom]])?;
+        }
+        Reader {
+            sheet: Sheet::of(document),
+            named,
+            read: Vec::new(),
+            points: 0,
+            skipped: Tally::default(),
+            instances: 0,
+            rest: Vec::new(),
+        }
+    }
+
+    fn all(mut self, root: Node<'a, 'a>) -> Result<(Vec<Polyline>, Tally), Wrong> {
+        let transform = Affine::IDENTITY;
+        self.rest.push(Place { node: root, transform, visible: true, viewport: None, instance: None });
+        while let Some(place) = self.rest.pop() {
+            self.element(place)?;
+        }
+        Ok((self.read, self.skipped))
+    }
+
+    /// Takes what was drawn.
+    pub fn curves(&mut self, curve: Option<Polyline>) {
+        if let Some(curve) = curve {
+            self.points += curve.points.len();
+            self.read.push(curve);
+        }
+    }
+
+    fn element(&mut self, mut place: Place<'a>) -> Result<(), Wrong> {
+        let node = place.node;
+        let name = node.tag_name().name();
+        let instantiated = place.instance.as_ref().is_some_and(|instance| instance.target == node.id());
+        if (NOT_RENDERED.contains(&name) && !(instantiated && name == "symbol")) || !conditions_hold(&node) {
+            return Ok(());
+        }
+        if let Some(instance) = &place.instance {
+            self.instances += 1;
+            if self.instances > MOST_ELEMENTS || self.points > MOST_POINTS {
+                let problem = Problem::TooManyUses { elements: MOST_ELEMENTS, points: MOST_POINTS };
+                return Err(Wrong { offset: instance.node.range().start, problem });
             }
-            found @ ("circle" | "ellipse" | "use" | "svg") => return Err(no_lines(node, found)),
-            "g" | "a" | "switch" => return Ok(true),
-            _ => {}
         }
-        Ok(false)
-    }
-
-    /// A point where it is drawn, y up; its number if it is beyond the range.
-    fn point(&self, t: &Transform, [x, y]: [f64; 2], so_far: usize) -> Result<[f32; 4], (Element, f64)> {
-        let point = [t.a * x + t.c * y + t.e, -(t.b * x + t.d * y + t.f)];
-        match point.iter().position(|&x| !(x as f32).is_finite()) {
-            Some(axis) => Err((Element::CurveCoordinate { point: self.points + so_far, axis }, point[axis])),
-            // −0 is a 0.
-            None => Ok([point[0] as f32 + 0.0, point[1] as f32 + 0.0, 0.0, 1.0]),
+        let style = self.sheet.style(&node);
+        if style.keyword(&node, "display").is_some_and(|value| value.eq_ignore_ascii_case("none")) {
+            return Ok(());
         }
-    }
-
-    fn finish(&mut self, curve: &mut Polyline) {
-        if curve.len() > 1 && curve.first() == curve.last() {
-            curve.pop();
+        if let Some(value) = style.keyword(&node, "visibility") {
+            match value.to_ascii_lowercase().as_str() {
+                "hidden" | "collapse" => place.visible = false,
+                "visible" | "initial" => place.visible = true,
+                _ => {}
+            }
         }
-        if !curve.is_empty() {
-            self.points += curve.len();
-            self.curves.push(std::mem::take(curve));
+        place.transform *= transform::of_element(&node, &style, place.viewport)?;
+        let drawn = Drawn { node, style: &style, transform: place.transform, viewport: place.viewport };
+        match name {
+            "g" | "a" => self.children(&place),
+            "switch" => {
+                let chosen =
+                    node.children().find(|child| is_svg(child) && is_choice(child) && conditions_hold(child));
+                self.rest.extend(chosen.map(|node| Place { node, ..place }));
+            }
+            "svg" if node.parent_element().is_none() && !instantiated => {
+                // What the drawing shows it in is none of the points' business.
+                let size = [drawn.length("width", Along::X), drawn.length("height", Along::Y)];
+                let size = size.map(|length| length.ok().flatten().filter(|&x| x > 0.0));
+                place.viewport = match (view_box(&node).ok().flatten(), size) {
+                    (Some(view), _) => Some([view.w, view.h]),
+                    (None, [Some(width), Some(height)]) => Some([width, height]),
+                    _ => None,
+                };
+                self.children(&place);
+            }
+            "svg" | "symbol" => self.framed(place, &drawn, name)?,
+            "use" => self.instance(&place, &drawn)?,
+            _ if !place.visible => {}
+            _ if self.shape(&drawn, name)? => {}
+            _ => self.skipped.add(name),
         }
-    }
-
-    fn shape(&mut self, node: &Node, transform: &Transform, corners: &[[f64; 2]]) -> Result<(), Wrong> {
-        let mut curve = Polyline::new();
-        for &corner in corners {
-            let point = self.point(transform, corner, curve.len());
-            curve.push(point.map_err(|e| too_large(node.range().start, e))?);
-        }
-        self.finish(&mut curve);
         Ok(())
     }
 
-    fn points(&mut self, node: &Node, transform: &Transform) -> Result<(), Wrong> {
-        let Some(attribute) = node.attribute_node("points") else { return Ok(()) };
-        let text = attribute.value();
-        let list = NumberListParser::from(text).collect::<Result<Vec<f64>, _>>();
-        let list = list.map_err(|e| of_number(&attribute, &e))?;
-        if list.len() % 2 != 0 {
-            let problem = Problem::OddPoints { found: list.len() };
-            return Err(Wrong { offset: place(&attribute, text.trim_end().len()), problem });
-        }
-        let mut curve = Polyline::new();
-        for (n, &point) in list.as_chunks().0.iter().enumerate() {
-            let point = self.point(transform, point, curve.len()).map_err(|e| {
-                let whole = |t: &str| NumberListParser::from(t).filter(Result::is_ok).count() / 2;
-                too_large(place(&attribute, end_of(text, n, whole)), e)
-            });
-            curve.push(point?);
-        }
-        self.finish(&mut curve);
-        Ok(())
+    fn children(&mut self, parent: &Place<'a>) {
+        let children = parent.node.children().rev().filter(is_svg);
+        self.rest.extend(children.map(|node| Place { node, ..parent.clone() }));
     }
 
-    fn path(&mut self, node: &Node, transform: &Transform) -> Result<(), Wrong> {
-        let Some(attribute) = node.attribute_node("d") else { return Ok(()) };
-        let text = attribute.value();
-        let (mut here, mut curve) = ([0.0; 2], Polyline::new());
-        for (n, segment) in SimplifyingPathParser::from(text).enumerate() {
-            let segment = segment.map_err(|e| of_number(&attribute, &e))?;
-            let control = match segment {
-                SimplePathSegment::ClosePath => {
-                    self.finish(&mut curve);
-                    continue;
-                }
-                SimplePathSegment::MoveTo { x, y } => {
-                    // A move alone draws nothing.
-                    if curve.len() > 1 {
-                        self.finish(&mut curve);
-                    }
-                    curve.clear();
-                    vec![[x, y]]
-                }
-                SimplePathSegment::LineTo { x, y } => vec![[x, y]],
-                SimplePathSegment::Quadratic { x1, y1, x, y } => vec![here, [x1, y1], [x, y]],
-                SimplePathSegment::CurveTo { x1, y1, x2, y2, x, y } => {
-                    vec![here, [x1, y1], [x2, y2], [x, y]]
-                }
-            };
-            for point in flat(&control) {
-                let point = self.point(transform, point, curve.len()).map_err(|e| {
-                    let whole = |t: &str| SimplifyingPathParser::from(t).filter(Result::is_ok).count();
-                    too_large(place(&attribute, end_of(text, n, whole)), e)
-                });
-                curve.push(point?);
+    /// An `svg` in another, or a `symbol`: its `viewBox` is fitted into its box, whose size a `use` may say.
+    fn framed(&mut self, mut place: Place<'a>, drawn: &Drawn<'a, '_>, name: &str) -> Result<(), Wrong> {
+        let by_use = place.instance.clone().filter(|instance| instance.target == place.node.id());
+        let style = by_use.as_ref().map(|instance| self.sheet.style(&instance.node));
+        let outer = |name, along| match (&by_use, &style) {
+            (Some(instance), Some(style)) => {
+                Drawn { node: instance.node, style, transform: place.transform, viewport: place.viewport }
+                    .length(name, along)
             }
-            here = control.last().copied().unwrap_or(here);
-        }
-        if curve.len() > 1 {
-            self.finish(&mut curve);
-        }
-        Ok(())
-    }
-}
-
-/// How far a line may be off the curve that it stands for, of the size of its control polygon.
-const FLAT: f64 = 1e-3;
-
-/// Points behind the first of a Bézier curve, evenly spaced in its parameter, so many that the lines between them are off
-/// by [`FLAT`] at most: each is off by an eighth of the greatest second derivative (Wang's formula). A point alone is
-/// itself.
-fn flat(control: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let degree = control.len() - 1;
-    if degree == 0 {
-        return control.to_vec();
-    }
-    let away = |[x, y]: [f64; 2]| x.hypot(y);
-    let bend = |p: &[[f64; 2]]| away([0, 1].map(|k| p[0][k] - 2.0 * p[1][k] + p[2][k]));
-    let bend = control.windows(3).map(bend).fold(0.0, f64::max);
-    let size = control.iter().map(|p| away([0, 1].map(|k| p[k] - control[0][k]))).fold(0.0, f64::max);
-    let second = (degree * (degree - 1)) as f64 * bend;
-    let pieces = (second / (8.0 * FLAT * size)).sqrt().ceil().max(1.0);
-    let at = |n: u32| {
-        // As de Casteljau cuts a curve.
-        let (t, mut points) = (f64::from(n) / pieces, control.to_vec());
-        for last in (1..points.len()).rev() {
-            for i in 0..last {
-                points[i] = [0, 1].map(|k| points[i][k] * (1.0 - t) + points[i + 1][k] * t);
-            }
-        }
-        points[0]
-    };
-    let inner = (1..pieces as u32).map(at);
-    inner.chain(control.last().copied()).collect()
-}
-
-/// Lengths in units of the picture; what is missing is 0.
-fn numbers<const N: usize>(node: &Node, names: [&str; N]) -> Result<[f64; N], Wrong> {
-    let mut values = [0.0; N];
-    for (value, name) in values.iter_mut().zip(names) {
-        let Some(attribute) = node.attribute_node(name) else { continue };
-        *value = match Length::from_str(attribute.value()) {
-            Ok(Length { number, unit: LengthUnit::None | LengthUnit::Px }) => number,
-            _ => return Err(of_attribute(&attribute)),
+            _ => Ok(None),
         };
-    }
-    Ok(values)
-}
-
-fn no_lines(node: &Node, found: &str) -> Wrong {
-    Wrong { offset: node.range().start, problem: Problem::NoLines { found: found.to_string() } }
-}
-
-fn too_large(offset: usize, (element, x): (Element, f64)) -> Wrong {
-    Wrong { offset, problem: Problem::Overflow { element, found: format!("{x:e}") } }
-}
-
-/// What stands where a number or a command should.
-fn of_number(attribute: &Attribute, error: &Error) -> Wrong {
-    let text = attribute.value();
-    let character = match error {
-        Error::UnexpectedData(at)
-        | Error::InvalidNumber(at)
-        | Error::InvalidChar(_, at)
-        | Error::InvalidString(_, at) => at.saturating_sub(1),
-        _ => usize::MAX,
-    };
-    let at = text.char_indices().nth(character).map_or(text.trim_end().len(), |(at, _)| at);
-    let word = text[at..].split(|c: char| c.is_whitespace() || c == ',').next().unwrap_or_default();
-    let found =
-        if word.is_empty() { "the end of the value".to_string() } else { format!("`{}`", shown(word)) };
-    let problem = match attribute.name() {
-        "d" => Problem::PathData { found },
-        _ => Problem::PointList { found },
-    };
-    Wrong { offset: place(attribute, at), problem }
-}
-
-/// Where item `n` of a list ends: the shortest beginning of the text that holds more than `n` whole ones.
-fn end_of(text: &str, n: usize, whole: impl Fn(&str) -> usize) -> usize {
-    let (mut low, mut high) = (0, text.len());
-    while low < high {
-        let middle = text.floor_char_boundary((low + high) / 2);
-        if whole(&text[..middle]) > n {
-            high = middle;
-        } else {
-            low = text.ceil_char_boundary(middle + 1);
+        let side = |name, along, whole: Option<f64>| -> Result<Option<f64>, Wrong> {
+            Ok(outer(name, along)?.or(drawn.length(name, along)?).or(whole))
+        };
+        let whole = |axis: usize| place.viewport.map(|size| size[axis]);
+        let size = [side("width", Along::X, whole(0))?, side("height", Along::Y, whole(1))?];
+        if size.iter().flatten().any(|&x| x <= 0.0) {
+            self.skipped.add(&format!("{name} without a size"));
+            return Ok(());
         }
+        let corner = [drawn.length("x", Along::X)?, drawn.length("y", Along::Y)?].map(|x| x.unwrap_or(0.0));
+        place.transform *= Affine::translate((corner[0], corner[1]));
+        let size = size[0].zip(size[1]).map(|(width, height)| [width, height]);
+        if let Some(view) = view_box(&place.node)? {
+            // Where nobody says how large the box is, it is as large as what it shows.
+            place.transform *= into_box(&place.node, &view, size.unwrap_or([view.w, view.h]))?;
+            place.viewport = Some([view.w, view.h]);
+        } else {
+            place.viewport = size;
+        }
+        self.children(&place);
+        Ok(())
     }
-    high.saturating_sub(1)
+
+    fn instance(&mut self, place: &Place<'a>, drawn: &Drawn<'a, '_>) -> Result<(), Wrong> {
+        let node = place.node;
+        let Some(href) = node.attribute_node("href").or(node.attribute_node((XLINK, "href"))) else {
+            self.skipped.add("use of nothing");
+            return Ok(());
+        };
+        let Some(target) = href.value().trim().strip_prefix('#') else {
+            self.skipped.add("use of another file");
+            return Ok(());
+        };
+        let Some(&target) = self.named.get(target).filter(|target| is_svg(target)) else {
+            self.skipped.add("use of nothing");
+            return Ok(());
+        };
+        let mut around = place.instance.as_ref();
+        while let Some(instance) = around {
+            if instance.target == target.id() {
+                let problem = Problem::UseOfItself { href: shown(href.value()) };
+                return Err(Wrong { offset: node.range().start, problem });
+            }
+            around = instance.within.as_ref();
+        }
+        let corner = [drawn.length("x", Along::X)?, drawn.length("y", Along::Y)?].map(|x| x.unwrap_or(0.0));
+        let transform = place.transform * Affine::translate((corner[0], corner[1]));
+        let instance = Instance { node, target: target.id(), within: place.instance.clone() };
+        self.rest.push(Place { node: target, transform, instance: Some(Rc::new(instance)), ..*place });
+        Ok(())
+    }
+}
+
+fn is_svg(node: &Node) -> bool {
+    node.is_element() && node.tag_name().namespace().is_none_or(|ns| ns == SVG)
+}
+
+/// Whether a `switch` may take it.
+fn is_choice(node: &Node) -> bool {
+    !NOT_RENDERED.contains(&node.tag_name().name())
+}
+
+/// Whether an element is for readers of English that know no extensions.
+fn conditions_hold(node: &Node) -> bool {
+    let english = |list: &str| {
+        list.split(',')
+            .map(|tag| tag.trim().to_ascii_lowercase())
+            .any(|tag| tag == "en" || tag.starts_with("en-"))
+    };
+    node.attribute("requiredExtensions").is_none() && node.attribute("systemLanguage").is_none_or(english)
 }
