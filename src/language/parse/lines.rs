@@ -162,11 +162,11 @@ fn is_word(raw: &[Token], at: usize) -> bool {
             TokenKind::Newline if depth > 0 && lines == MOST_LINES => return false,
             TokenKind::Newline if depth > 0 => lines += 1,
             _ if depth > 0 => {}
-            TokenKind::Newline => {
-                let next = kind(raw, at + 1);
-                let weighted = kind(raw, at + 2) == TokenKind::Open(Bracket::Round);
-                return !continues(next) || next == TokenKind::Arrow && weighted;
-            }
+            TokenKind::Newline => match kind(raw, at + 1) {
+                TokenKind::Keyword(Keyword::At | Keyword::On) | TokenKind::Open(Bracket::Curly) => {}
+                TokenKind::Arrow => return kind(raw, at + 2) == TokenKind::Open(Bracket::Round),
+                next => return !continues(next),
+            },
             TokenKind::Name | TokenKind::Keyword(Keyword::Eps | Keyword::At | Keyword::On) => {}
             kind if is_operator_symbol(kind) => {}
             _ => return false,
