@@ -833,8 +833,12 @@ fn wgsl_texts_are_valid() {
         Type::Int => "i32",
         _ => "f32",
     };
-    let files = [include_str!("../wgsl/shared/ops.wgsl"), include_str!("../wgsl/shared/elementary.wgsl")];
-    let mut text = files.concat().replace("import elementary;", "");
+    let files = [
+        include_str!("../wgsl/shared/numbers.wgsl"),
+        include_str!("../wgsl/shared/elementary.wgsl"),
+        include_str!("../wgsl/shared/ops.wgsl"),
+    ];
+    let mut text = files.concat().replace("import elementary;", "").replace("import numbers;", "");
     for (index, row) in ops::TABLE.iter().enumerate().filter(|(_, row)| row.cpu.is_some()) {
         let mut body = row.wgsl.to_string();
         let mut parameters = Vec::new();

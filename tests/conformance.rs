@@ -100,7 +100,7 @@ fn a_broken_kernel_is_seen_where_it_is() {
         ("every", "retire", "nets[i * POINTS + p]", "nets[k * POINTS + p]", "retire, "),
         ("every", "scan", "offsets[k] = base + before[k - start]", "offsets[k] = base + before[0]", "scan, "),
         ("scan, compact: 16 × 64", "compact", "hit << (k & 31u)", "hit << (k & 15u)", "compact of "),
-        ("operations on float", GENERATED_CODE, "trunc(", "floor(", "emit, float % float"),
+        ("operations on float", GENERATED_CODE, "whole_part(", "whole_below(", "emit, float % float"),
         ("operations on int and bool", "ops", "return 0i;", "return 1i;", "emit, int % int"),
         ("elementary functions", "elementary", "0.16666655", "0.1666", "emit: sin("),
         ("random numbers", "elementary", "h >> 13u", "h >> 14u", "emit: number 0 of module 0 is frozen"),

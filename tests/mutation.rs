@@ -8,7 +8,7 @@
 use crate::{degrees, device, mutants};
 use burgeon::codegen::{GENERATED, Mapping, Tuning};
 use burgeon::conformance::systems::{WIDE, WRITTEN};
-use burgeon::conformance::{Compared, Trouble, scans};
+use burgeon::conformance::{self, Compared, Outcome, Trouble, scans};
 use burgeon::gpu::{self, Engine};
 use burgeon::plan::compare::{Pair, PairError};
 use burgeon::plan::derive::{collect, derive};
@@ -26,6 +26,8 @@ enum Check {
     Wide,
     /// `values`: elementary functions, random numbers and weights.
     Values,
+    /// Infinities and what is not a number, in every operation on floats.
+    Specials,
     /// `measures`: attributes, values of the host, a view.
     Measured,
     /// Nets with more rows than columns, and with fewer.
@@ -115,6 +117,35 @@ const ELEMENTARY: &[Mutant] = &[
     ("elementary", "t * 6.0 - 15.0", "t * 6.0 - 14.0", Values),
     ("elementary", "(h & 2u) == 0u", "(h & 4u) == 0u", Values),
     (GENERATED, "extent.seed", "extent.run_step", Values),
+];
+
+const NUMBERS: &[Mutant] = &[
+    ("numbers", "magnitude(x) > INFINITE", "magnitude(x) >= INFINITE", Specials),
+    ("numbers", "magnitude(x) >= INFINITE", "magnitude(x) > INFINITE", Specials),
+    ("numbers", "(-2147483647i - 1i) - b", "b", Specials),
+    ("numbers", "x < y && x >= -0x7f800000i && y <= 0x7f800000i", "x < y", Specials),
+    ("numbers", "x <= y && x >= -0x7f800000i && y <= 0x7f800000i", "x <= y", Specials),
+    ("numbers", "&& abs(x) <= 0x7f800000i", "", Specials),
+    ("numbers", "select(a, b, is_less(b, a))", "select(b, a, is_less(a, b))", Specials),
+    ("numbers", "select(a, b, is_less(a, b))", "select(b, a, is_less(b, a))", Specials),
+    ("numbers", "i32(is_less(0.0, x)) - i32", "i32(is_at_most(0.0, x)) - i32", Specials),
+    ("numbers", "is_special(b) && sign_bit(a) != sign_bit(b)", "false", Specials),
+    ("numbers", "special_sum(a, negative_of(b))", "special_sum(a, b)", Specials),
+    ("numbers", " || magnitude(a) == 0u || magnitude(b) == 0u {", " {", Specials),
+    ("numbers", "select(INFINITE, 0u, is_special(b))", "INFINITE", Specials),
+    (
+        "numbers",
+        "if has_fraction(x) {\n    return floor",
+        "if !has_fraction(x) {\n    return floor",
+        Specials,
+    ),
+    ("numbers", "magnitude(x) < 0x4b000000u", "magnitude(x) < 0x3f800000u", Specials),
+    ("numbers", "return 0i;", "return 1i;", Specials),
+    ("elementary", "is_less(1.0, x) == is_less(0.0, y)", "is_less(1.0, x)", Specials),
+    ("elementary", "y = far_off(given_y)", "y = given_y", Specials),
+    ("elementary", "x = far_off(given_x)", "x = given_x", Specials),
+    ("elementary", "select(1.5707964, -1.5707964, sign_bit(x) != 0u)", "1.5707964", Specials),
+    ("elementary", "is_at_most(x, bitcast<f32>(0x7f7fffffu))", "true", Specials),
 ];
 
 const ADDRESSES: &[Mutant] = &[
@@ -277,6 +308,17 @@ fn parity(engine: &Engine, name: &str, chunk: Option<usize>) -> Result<(), Strin
     seen(subject.compare(engine, &[chunk], None))
 }
 
+/// The case of the suite that is about them; what went wrong.
+fn specials(engine: &Engine) -> Result<(), String> {
+    let case = conformance::cases().into_iter().find(|c| c.name == "infinities and NaN").expect("a case");
+    match case.run(engine, None).outcome {
+        Outcome::Differs(what) => Err(what),
+        Outcome::Failed(gpu::Error::Codegen(e)) => panic!("this is no mutant: {e}"),
+        Outcome::Failed(e) => panic!("{e}"),
+        _ => Ok(()),
+    }
+}
+
 /// What a mutant was seen by; it must be a kernel at all.
 fn seen(result: Result<Compared, Trouble>) -> Result<(), String> {
     match result {
@@ -307,6 +349,7 @@ impl Check {
             Deep => parity(engine, "deep", None).and_then(|()| parity(engine, "deep_closed", None)),
             Wide => parity(engine, "wide", None),
             Values => parity(engine, "values", None),
+            Specials => specials(engine),
             Measured => parity(engine, "measures", None),
             Scans => seen(scans::compare(engine, &[0, 1, 63, 1024, 1025, 20_000])),
             Degrees => [[4, 1], [1, 4], [2, 1]].into_iter().try_for_each(|degree| lockstep(engine, degree)),
@@ -358,6 +401,11 @@ fn every_mutant_of_elementary_functions_is_seen() {
 }
 
 #[test]
+fn every_mutant_of_infinities_and_nan_is_seen() {
+    kill(NUMBERS, Mapping::PointPerInvocation);
+}
+
+#[test]
 fn every_mutant_of_addresses_is_seen() {
     kill(ADDRESSES, Mapping::PointPerInvocation);
 }
@@ -391,7 +439,7 @@ fn every_mutant_of_scan_and_compaction_is_seen() {
 #[test]
 fn every_file_has_mutants() {
     let all: Vec<&Mutant> =
-        [MATCHING, MEASURING, ELEMENTARY, ADDRESSES, CHILDREN, NETS, POINTS, LINES, SCANS]
+        [MATCHING, MEASURING, ELEMENTARY, NUMBERS, ADDRESSES, CHILDREN, NETS, POINTS, LINES, SCANS]
             .into_iter()
             .flatten()
             .collect();

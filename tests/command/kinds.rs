@@ -51,7 +51,7 @@ fn a_mistake_in_the_file_comes_first() {
         ("parse.burgeon", "parse.burgeon:5:"),
         ("net.burgeon", "net.burgeon:5:"),
         ("mesh.burgeon", "this version does not derive mesh systems"),
-        ("none.burgeon", "none.burgeon holds no system"),
+        ("none.burgeon", "none.burgeon is no rule file: it holds comments only"),
         ("bytes.burgeon", "bytes.burgeon:1:"),
         ("gone.burgeon", "cannot read gone.burgeon: there is no such file"),
     ];

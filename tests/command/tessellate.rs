@@ -173,7 +173,7 @@ fn wrong_usage_of_a_tessellation() {
         (&["--tolerance", "inf"], &["--tolerance", "a number above 0"]),
         (&["--tolerance", "-2px"], &["--tolerance", "0.5px (pixels)"]),
         (&["--tolerance", "1mm"], &["--tolerance", "0.01 (units of the model)"]),
-        (&["--tolerance", "1e-20"], &["--tolerance: a tolerance of 1e-20", "scale the model up"]),
+        (&["--tolerance", "1e-37"], &["--tolerance: a tolerance of 1e-37", "scale the model up"]),
         (&["--tolerance", "1px"], &["--tolerance 1px", "--eye X,Y,Z"]),
         (&["--eye", "1,2,3"], &["--eye is for a tolerance in pixels"]),
         (
