@@ -11,6 +11,8 @@ mod kinds;
 mod matrix;
 mod output;
 mod queries;
+#[cfg(feature = "gpu")]
+mod readme;
 mod tessellate;
 mod usage;
 mod words;
