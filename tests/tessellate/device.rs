@@ -298,8 +298,9 @@ fn pixels_are_what_the_camera_sees() {
     let level = |eye| Level { depth: 0..=8, ..Level::pixels(1.0, camera(eye)) };
     let mut gpu = Tessellator::new(&engine, &nets, &level([9.0, 4.0, 7.0]), &options, &ROOM).expect("a set");
     let mut cpu = Cpu::new(&nets, &options).expect("a set");
-    // From afar, from near, from inside, from behind a wall, and looking away.
-    for eye in [[9.0, 4.0, 7.0], [3.0, 2.0, 2.5], [0.3, 1.2, 0.1], [60.0, 10.0, 40.0]] {
+    // From afar, from near, from inside, from behind a wall, and looking away. From none of these places is a cell so near
+    // its tolerance that a rounding decides.
+    for eye in [[9.0, 4.0, 7.0], [3.1, 2.0, 2.4], [0.3, 1.2, 0.1], [60.0, 10.0, 40.0]] {
         let level = level(eye);
         cpu.run(&level.target().expect("a level"));
         super::check(&cpu, &nets, None);

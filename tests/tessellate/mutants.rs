@@ -193,7 +193,7 @@ impl Check {
                 let nets = file("teapot.bpt", false);
                 // Inside, near, and on the surface.
                 let on_it = nets[5].view().evaluate(0.5, 0.5).position;
-                let levels = [[0.3, 1.2, 0.1], [3.0, 2.0, 2.5], on_it]
+                let levels = [[0.3, 1.2, 0.1], [3.1, 2.0, 2.4], on_it]
                     .map(|eye| Level { depth: 1..=7, ..Level::pixels(1.0, camera(eye)) });
                 compare(&nets, &levels, &shared(whole))
             }
