@@ -10,7 +10,7 @@ use burgeon::patch::{Net, Word};
 use burgeon::plan::{self, Plan};
 use burgeon::tessellate::lattice::MAX_DEPTH;
 use burgeon::tessellate::level::LEAST_TOLERANCE;
-use burgeon::tessellate::{Complete, Level, Measure, Options, Topology, bound};
+use burgeon::tessellate::{Camera, Complete, Level, Measure, Options, Topology, bound};
 use std::time::Instant;
 
 /// What is tessellated, and how finely.
@@ -63,12 +63,8 @@ pub fn tessellate(flags: &flags::Tessellate) -> Result<(), Failure> {
     let bar = Bar::new();
     let device = run::device(flags.backend, &flags.machine, &bar)?;
     if flags.fineness.tolerance.is_none() {
-        let tolerance = level.tolerance;
-        let shown = match (1e-4..1e6).contains(&tolerance) {
-            true => tolerance.to_string(),
-            false => format!("{tolerance:e}"),
-        };
-        bar.say(&format!("note: --tolerance {shown}, a thousandth of the model's diagonal"));
+        let tolerance = short(level.tolerance, 9);
+        bar.say(&format!("note: --tolerance {tolerance}, a thousandth of the model's diagonal"));
     }
     let work = Work { nets: &nets, word: None, placement: None, level: &level };
     let mut surface = make(&work, device.as_ref(), &flags.machine, &bar);
@@ -203,7 +199,6 @@ pub fn make(
 
 /// A note where rounding is no small part of the tolerance, as it is far from the origin.
 fn say_rounding(work: &Work, bar: &Bar) {
-    let Measure::World = work.level.measure else { return };
     let (mut size, mut far) = (0.0f32, 0.0f32);
     for b in work.nets.iter().filter_map(|net| bounds(std::iter::once(net))) {
         for k in 0..3 {
@@ -211,12 +206,39 @@ fn say_rounding(work: &Work, bar: &Bar) {
             far = far.max(b.max[k].abs()).max(b.min[k].abs());
         }
     }
-    let (rounding, tolerance) = (bound::rounding(size, far), work.level.tolerance);
+    let (unit, scale) = match work.level.measure {
+        Measure::World => ("", 1.0),
+        Measure::Pixels(camera) => (" pixels", pixels_a_unit(work.nets, &camera)),
+    };
+    let (rounding, tolerance) = (bound::rounding(size, far) * scale, work.level.tolerance);
     if rounding > tolerance * 0.01 {
         bar.say(&format!(
-            "note: rounding adds up to {rounding:.1e} to the tolerance of {tolerance}: so far apart are numbers of single \
-             precision at {far}"
+            "note: rounding adds up to {}{unit} to the tolerance of {}: numbers of single precision lie {} apart at {}",
+            short(rounding, 1),
+            short(tolerance, 6),
+            short(bound::spacing(far), 2),
+            short(far, 6),
         ));
+    }
+}
+
+/// Pixels of a unit where the camera sees the patches from nearest.
+fn pixels_a_unit(nets: &[Net], camera: &Camera) -> f32 {
+    let row = |r: usize| [0, 1, 2, 3].map(|c| camera.clip[c][r]);
+    let ([a, b, c, _], w) = (row(1), row(3));
+    let depth = |p: &[f32; 4]| (w[0] * p[0] + w[1] * p[1] + w[2] * p[2]) / p[3] + w[3];
+    let points = nets.iter().flat_map(|net| &net.points);
+    let nearest = points.map(depth).filter(|&w| w >= camera.near).fold(f32::INFINITY, f32::min);
+    let nearest = if nearest.is_finite() { nearest } else { camera.near };
+    (a * a + b * b + c * c).sqrt() * camera.size[1] * 0.5 / nearest
+}
+
+/// A number in so many digits, as people write it.
+fn short(x: f32, digits: usize) -> String {
+    let rounded = format!("{x:.*e}", digits.saturating_sub(1)).parse::<f32>().unwrap_or(x);
+    match (1e-4..1e6).contains(&rounded) {
+        true => rounded.to_string(),
+        false => format!("{rounded:e}"),
     }
 }
 

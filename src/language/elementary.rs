@@ -138,10 +138,10 @@ pub fn log(x: f32) -> f32 {
     (m + y) + e * 0.693_359_4
 }
 
-/// Logarithm to base 2.
+/// Logarithm to base 2; of 0 and less the least float, of infinity infinity.
 pub fn log2(x: f32) -> f32 {
     let natural = log(x);
-    if natural.is_finite() { natural * LOG2_E } else { natural }
+    if natural.abs() < f32::MAX { natural * LOG2_E } else { natural }
 }
 
 /// x^y for x ≥ 0 as e^(y·log x): its relative error grows with |y·log x|. Of 0 and less: 0, or 1 if y = 0.

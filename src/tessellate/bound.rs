@@ -27,9 +27,16 @@
 use super::surface::{Control, dot, length};
 use glam::{Vec3, Vec4};
 
-/// How far a vertex of a root of this size, with coordinates up to `far`, may be from where exact arithmetic has it.
+/// How far a vertex of a root of this size, with coordinates up to `far`, may be from where exact arithmetic has it:
+/// half of the spacing of floats there along each of three axes, and what arithmetic does to the root itself.
 pub fn rounding(size: f32, far: f32) -> f32 {
-    (8.0 * size + far) * (f32::EPSILON / 2.0)
+    4.0 * f32::EPSILON * size + 0.5 * 3f32.sqrt() * spacing(far)
+}
+
+/// How far apart floats are at `x`.
+pub fn spacing(x: f32) -> f32 {
+    let exponent = x.abs().max(f32::MIN_POSITIVE).to_bits() & 0x7f80_0000;
+    f32::from_bits(exponent) * f32::EPSILON
 }
 
 /// The bound for a net, in units of its place's size. `projective`: weights differ, else all are 1.

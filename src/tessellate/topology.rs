@@ -342,7 +342,10 @@ impl Build {
         for (id, curve) in self.curves.iter().enumerate().filter(|(_, c)| c.len() == 1) {
             for half in halves(&self.shapes[id]) {
                 let Some(&other) = self.curve_by_key.get(&key_of(&half).0) else { continue };
-                if let &[entry] = self.curves[other].as_slice() {
+                // Not where a curve is so small that rounding makes its halves what it is.
+                if let &[entry] = self.curves[other].as_slice()
+                    && other != id
+                {
                     found.push([curve[0], entry].map(|e| (e >> 3, e >> 1 & 3)));
                 }
             }

@@ -54,6 +54,12 @@ fn infinities_and_nan_are_alike_on_both_backends() {
         ("-> Q(int(clamp(1/x, -5, 5)))", "-1 0 5"),
         ("-> Q(int(sign(x - x/0*0)))", "0 0 0"),
         ("-> Q(int(x*1e38*1e38))", "-2147483648 2147483520 0"),
+        // The sign of a zero.
+        ("-> Q(if(1/(0 - x*0) < 0, 1, 2))", "2 2 2"),
+        ("-> Q(if(1/(0 - (x - x)) < 0, 1, 2))", "2 2 2"),
+        ("-> Q(if(1/(0*(0 - x)) < 0, 1, 2))", "2 1 2"),
+        ("-> Q(if(1/(0 + -(x*0)) < 0, 1, 2))", "2 2 2"),
+        ("-> Q(if(rand(x/0, x/0) == x/0, 1, 2))", "2 2 2"),
     ];
     for (rule, expected) in rules {
         folder.write("s.burgeon", format!("{head} {rule}\n"));

@@ -115,7 +115,8 @@ fn portable_log(x: f32) -> f32 {
 
 fn portable_log2(x: f32) -> f32 {
   let natural = portable_log(x);
-  if is_special(natural) {
+  // The least float, infinity and what is not a number stay.
+  if magnitude(natural) >= 0x7f7fffffu {
     return natural;
   }
   return natural * 1.442695;

@@ -1,7 +1,8 @@
 // Floats told apart by their bits: src/language/numbers.rs.
 //
 // WGSL lets a driver assume that nothing is infinite or not a number (NaN), so what the language says of such values
-// is spelled out: comparisons are those of integers, and arithmetic with such an operand never reaches the device's.
+// is spelled out: comparisons are those of integers, and arithmetic with such an operand never reaches the device's. So
+// is the sign of a result of zero, which tells x / 0 from x / -0: drivers make -z of 0 - z, and 0 of 0 * z.
 
 const INFINITE = 0x7f800000u;
 
@@ -89,14 +90,22 @@ fn sum_of(a: f32, b: f32) -> f32 {
   if is_special(a) || is_special(b) {
     return special_sum(a, b);
   }
-  return a + b;
+  let sum = a + b;
+  if magnitude(sum) == 0u {
+    return of_bits(sign_bit(a) & sign_bit(b));
+  }
+  return sum;
 }
 
 fn difference_of(a: f32, b: f32) -> f32 {
   if is_special(a) || is_special(b) {
     return special_sum(a, negative_of(b));
   }
-  return a - b;
+  let difference = a - b;
+  if magnitude(difference) == 0u {
+    return of_bits(sign_bit(a) & (sign_bit(b) ^ 0x80000000u));
+  }
+  return difference;
 }
 
 fn scalar_product(a: f32, b: f32) -> f32 {
@@ -106,7 +115,11 @@ fn scalar_product(a: f32, b: f32) -> f32 {
     }
     return of_bits((sign_bit(a) ^ sign_bit(b)) | INFINITE);
   }
-  return a * b;
+  let product = a * b;
+  if magnitude(product) == 0u {
+    return of_bits(sign_bit(a) ^ sign_bit(b));
+  }
+  return product;
 }
 
 fn quotient_of(a: f32, b: f32) -> f32 {
@@ -117,7 +130,11 @@ fn quotient_of(a: f32, b: f32) -> f32 {
     }
     return of_bits((sign_bit(a) ^ sign_bit(b)) | select(INFINITE, 0u, is_special(b)));
   }
-  return a / b;
+  let quotient = a / b;
+  if magnitude(quotient) == 0u {
+    return of_bits(sign_bit(a) ^ sign_bit(b));
+  }
+  return quotient;
 }
 
 fn square_root(x: f32) -> f32 {

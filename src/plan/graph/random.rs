@@ -28,9 +28,9 @@ impl Graph {
         let unit = self.call("unit #", &[Type::Int], &[hash]);
         match *args {
             [low, high] => {
-                let width = self.float("-", &[high, low]);
-                let above = self.float("*", &[width, unit]);
-                self.float("+", &[low, above])
+                let width = self.scalar_call("-", &[high, low]);
+                let above = self.scalar_call("*", &[width, unit]);
+                self.scalar_call("+", &[low, above])
             }
             _ => unit,
         }

@@ -14,7 +14,8 @@ impl Graph {
             ("dot", [a, b]) => vec![self.dot(a, b)],
             ("length", [v]) => vec![self.length(v)],
             ("distance", [a, b]) => {
-                let difference = self.each("-", &[a.clone(), b.clone()]);
+                let difference: Vec<NodeId> =
+                    a.iter().zip(b).map(|(&x, &y)| self.scalar_call("-", &[x, y])).collect();
                 vec![self.length(&difference)]
             }
             ("normalize", [v]) => {
@@ -83,8 +84,8 @@ impl Graph {
 
     /// Products summed from left to right.
     pub(super) fn dot(&mut self, a: &[NodeId], b: &[NodeId]) -> NodeId {
-        let products: Vec<NodeId> = a.iter().zip(b).map(|(&x, &y)| self.float("*", &[x, y])).collect();
-        products.into_iter().reduce(|sum, p| self.float("+", &[sum, p])).unwrap_or(0)
+        let products: Vec<NodeId> = a.iter().zip(b).map(|(&x, &y)| self.scalar_call("*", &[x, y])).collect();
+        products.into_iter().reduce(|sum, p| self.scalar_call("+", &[sum, p])).unwrap_or(0)
     }
 
     pub(super) fn length(&mut self, v: &[NodeId]) -> NodeId {
@@ -93,8 +94,8 @@ impl Graph {
     }
 
     pub(super) fn minor(&mut self, a: &[NodeId], b: &[NodeId], i: usize, j: usize) -> NodeId {
-        let (first, second) = (self.float("*", &[a[i], b[j]]), self.float("*", &[a[j], b[i]]));
-        self.float("-", &[first, second])
+        let (first, second) = (self.scalar_call("*", &[a[i], b[j]]), self.scalar_call("*", &[a[j], b[i]]));
+        self.scalar_call("-", &[first, second])
     }
 
     /// Components along the three axes of a frame, whose components stand one axis after the other.
