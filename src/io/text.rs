@@ -103,6 +103,12 @@ pub enum Problem {
     Columns { found: String, wanted: &'static str },
     #[error("the columns are {found}; they should be {wanted}, in this order and nothing else")]
     ColumnNames { found: String, wanted: &'static str },
+    #[error(
+        "columns of this row: {found}, of the row of their names: {names}; there is a name for each, or no such row"
+    )]
+    Names { found: usize, names: usize },
+    #[error("`{found}` stands where {expected} should: a number is written with a point, as in 0.5")]
+    DecimalComma { expected: Element, found: String },
     #[error("`{found}` stands where a number, true or false should")]
     NotAValue { found: String },
     #[error("this line is no {ty}: {wanted}")]

@@ -54,6 +54,9 @@ pub fn parse_csv(text: &[u8], ty: &Type) -> Result<Vec<Value>, Wrong> {
         for cell in line.split(',') {
             let start = column + cell.chars().take_while(|c| c.is_whitespace()).count();
             let found = cell.trim();
+            // Spreadsheets may put all into quotes.
+            let found =
+                found.strip_prefix('"').and_then(|cell| cell.strip_suffix('"')).map_or(found, str::trim);
             let part =
                 entry(found).ok_or_else(|| wrong(start, Problem::NotAValue { found: found.into() }))?;
             parts.push(part);

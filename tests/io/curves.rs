@@ -12,7 +12,7 @@ use proptest::prelude::*;
 
 #[test]
 fn other_refusals() {
-    let cases: [(&str, usize, (usize, usize), &str); 23] = [
+    let cases: [(&str, usize, (usize, usize), &str); 31] = [
         ("", 4, (1, 1), "ends where point 0 should"),
         ("x,y\n", 2, (2, 1), "ends where point 0 should"),
         ("1,2\n3,inf\n", 2, (2, 3), "y of point 1 is `inf`"),
@@ -34,6 +34,19 @@ fn other_refusals() {
         ("0,5,1,5\n", 2, (1, 1), "4 columns where a point is x,y, with commas"),
         ("0,5,1,5\n", 3, (1, 1), "points in decimals, as in 0.5,1.5"),
         ("x,y\n0,5,1\n", 2, (2, 1), "3 columns where"),
+        (
+            "\"0,5\",\"1,5\"\n",
+            2,
+            (1, 1),
+            "`0,5` stands where x of point 0 should: a number is written with a point",
+        ),
+        ("x,y\n\"0.5\",\"1,5\"\n", 2, (2, 7), "`1,5` stands where y of point 0 should"),
+        ("\"0,5\";\"1,5\"\n", 2, (1, 1), "`\"0,5\";\"1` stands where"),
+        ("\"0.5,1\n1,2\n", 2, (1, 1), "`\"0.5` stands where"),
+        ("a,b,c\n3,4\n", 3, (2, 1), "columns of this row: 2, of the row of their names: 3"),
+        ("x\n0,0\n", 2, (2, 1), "columns of this row: 2, of the row of their names: 1"),
+        ("x,y,z\n0,0\n", 3, (2, 1), "of their names: 3"),
+        ("\"x, across\"\n0,0\n", 2, (2, 1), "of their names: 1"),
         ("id,x,y\n1,0,0\n", 3, (1, 1), "the columns are id,x,y; they should be x,y or x,y,z, in this order"),
         ("x,y,id\n0,0,1\n", 3, (1, 5), "the columns are x,y,id"),
         ("y,x\n0,0\n", 2, (1, 1), "the columns are y,x"),
@@ -47,6 +60,15 @@ fn other_refusals() {
         let text = format!("{names}\n1,2\n");
         let read = csv::parse(text.as_bytes(), 2).unwrap_or_else(|e| panic!("{names}: {e}"));
         assert_eq!(read, [Polyline::from(vec![[1.0, 2.0, 0.0, 1.0]])], "{names}");
+    }
+    // Spreadsheets may put all into quotes, and a first row of quoted numbers is a point.
+    for text in [
+        "\"0.5\",\"1.5\"\n2.5,3.5",
+        "\"x\",\"y\"\n\"0.5\",\"1.5\"\r\n \" 2.5\" ,\"3.5\"\r\n",
+        "\"a, b\",\"\"\"y\"\"\"\n0.5,\"1.5\"\n2.5,3.5\n",
+    ] {
+        let read = csv::parse(text.as_bytes(), 2).unwrap_or_else(|e| panic!("{text}: {e}"));
+        assert_eq!(read, [Polyline::from(vec![[0.5, 1.5, 0.0, 1.0], [2.5, 3.5, 0.0, 1.0]])], "{text}");
     }
     refused(obj::lines(b"# nothing\n"), (1, 10), "ends where vertex 1 should");
     refused(obj::lines(b"v 0 0 0\nv 0 nan 0\n"), (2, 5), "finite");
