@@ -117,14 +117,16 @@ pub enum Problem {
         "{found} stands where a number or one of the path commands M, L, H, V, C, S, Q, T, A and Z should, of which M is the first"
     )]
     PathData { found: String },
+    #[error("`{found}` stands where a flag of an arc should, which is 0 or 1")]
+    ArcFlag { found: String },
+    #[error("`{found}` is beyond the range of 32-bit floats (3.4e38)")]
+    TooLarge { found: String },
     #[error("{found} stands where a coordinate should: points are numbers, `x,y x,y`")]
     PointList { found: String },
     #[error("{found} numbers for points: each has an x and a y")]
     OddPoints { found: usize },
     #[error("{name} is `{found}`: {help}")]
     Attribute { name: String, found: String, help: &'static str },
-    #[error("this use of `{href}` is a part of what it names, and would never end")]
-    UseOfItself { href: String },
     #[error("this use draws more than {elements} elements or {points} points with all that it names in turn")]
     TooManyUses { elements: usize, points: usize },
     #[error("the file begins with <{found}>; an .svg begins with <svg>")]
@@ -133,6 +135,8 @@ pub enum Problem {
         "the file draws no lines; path, polyline, polygon, line, rect, circle and ellipse are read{skipped}"
     )]
     NoCurves { skipped: String },
+    #[error("the file draws no lines: it has {shapes}, but renders none ({why})")]
+    NoneRendered { shapes: String, why: String },
     /// In the words of the XML reader.
     #[error("{0}")]
     Xml(String),

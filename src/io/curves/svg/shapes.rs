@@ -59,26 +59,23 @@ impl Drawn<'_, '_> {
 }
 
 impl Reader<'_> {
-    /// Reads what a shape draws. Returns whether it is one.
-    pub fn shape(&mut self, drawn: &Drawn, name: &str) -> Result<bool, Wrong> {
+    /// Reads what a shape draws.
+    pub fn shape(&mut self, drawn: &Drawn, name: &str) -> Result<(), Wrong> {
         match name {
-            "path" => self.path(drawn)?,
-            "polyline" => self.list(drawn, false)?,
-            "polygon" => self.list(drawn, true)?,
+            "path" => self.path(drawn),
+            "polyline" => self.list(drawn, false),
+            "polygon" => self.list(drawn, true),
             "line" => {
                 let ends = [("x1", Along::X), ("y1", Along::Y), ("x2", Along::X), ("y2", Along::Y)];
                 let [x1, y1, x2, y2] = drawn.lengths(ends)?.map(|x| x.unwrap_or(0.0));
                 if (x1, y1) == (x2, y2) {
                     self.skipped.add("line without a length");
-                    return Ok(true);
+                    return Ok(());
                 }
-                self.elements(
-                    drawn,
-                    [PathEl::MoveTo((x1, y1).into()), PathEl::LineTo((x2, y2).into())],
-                    false,
-                )?;
+                let ends = [PathEl::MoveTo((x1, y1).into()), PathEl::LineTo((x2, y2).into())];
+                self.elements(drawn, ends, false)
             }
-            "rect" => self.rect(drawn)?,
+            "rect" => self.rect(drawn),
             "circle" | "ellipse" => {
                 let [cx, cy] = drawn.lengths([("cx", Along::X), ("cy", Along::Y)])?.map(|x| x.unwrap_or(0.0));
                 let radii = match name {
@@ -90,14 +87,17 @@ impl Reader<'_> {
                     Some([rx, ry]) => {
                         let to = Affine::translate((cx, cy)) * Affine::scale_non_uniform(rx, ry);
                         let round = Circle::new(Point::ORIGIN, 1.0);
-                        self.elements(drawn, round.path_elements(ROUND).map(|el| to * el), true)?;
+                        self.elements(drawn, round.path_elements(ROUND).map(|el| to * el), true)
                     }
-                    None => self.skipped.add(&format!("{name} without a size")),
+                    None => {
+                        self.skipped.add(&format!("{name} without a size"));
+                        Ok(())
+                    }
                 }
             }
-            _ => return Ok(false),
+            // No shape: the caller knows them.
+            _ => Ok(()),
         }
-        Ok(true)
     }
 
     fn rect(&mut self, drawn: &Drawn) -> Result<(), Wrong> {
@@ -144,7 +144,8 @@ impl Reader<'_> {
     /// The `points` of a polyline or a polygon.
     fn list(&mut self, drawn: &Drawn, closed: bool) -> Result<(), Wrong> {
         let name = drawn.node.tag_name().name();
-        let attribute = drawn.node.attribute_node("points").filter(|list| !list.value().trim().is_empty());
+        let attribute =
+            drawn.node.attribute_node("points").filter(|list| !matches!(list.value().trim(), "" | "none"));
         let Some(attribute) = attribute else {
             self.skipped.add(&format!("{name} without points"));
             return Ok(());
