@@ -79,7 +79,10 @@ pub enum Problem {
     Line { point: Element, found: usize },
     #[error("`{found}` follows after the last of {patches} patches: nothing may")]
     Trailing { patches: usize, found: String },
-    #[error("patch {patch} is a {name}, of kind {kind}; kinds 4, 5 and 8 are read, and this file has none")]
+    #[error(
+        "patch {patch} is a {name}, of kind {kind}; kinds 4, 5 and 8 are read, and none was found (where the end of \
+         another kind is not known, all up to the next `Group` is taken for a part of it)"
+    )]
     Kind { patch: usize, kind: String, name: &'static str },
     #[error("`{found}` stands where the kind of patch {patch} should: 4, 5, 8 or `Group` is needed")]
     NotAKind { patch: usize, found: String },
