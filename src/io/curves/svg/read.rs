@@ -270,8 +270,8 @@ impl<'a> Reader<'a> {
     /// An element with a value that is not read is left out, and counted: it is no reason to refuse the others.
     fn or_skipped(&mut self, read: Result<(), Wrong>, element: &str) -> Result<(), Wrong> {
         match read {
-            Err(Wrong { problem: Problem::Attribute { name, found, .. }, .. }) => {
-                self.skipped.add(&format!("{element} whose {name} is not read (`{found}`)"));
+            Err(Wrong { problem: Problem::Attribute { name, found, help }, .. }) => {
+                self.skipped.add(&format!("{element} whose {name} is not read (`{found}`: {help})"));
                 Ok(())
             }
             read => read,

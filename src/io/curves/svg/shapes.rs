@@ -23,8 +23,11 @@ pub enum Along {
 impl Drawn<'_, '_> {
     /// A length, if it is given and not `auto`.
     pub fn length(&self, name: &str, along: Along) -> Result<Option<f64>, Wrong> {
-        const HELP: &str = "a length is a number, with px, mm, cm, in, pt or pc if it has a unit; % are read where the \
-                            svg has a viewBox or a size";
+        let help = |text: &str| match text {
+            _ if text.ends_with('%') => "the svg has no viewBox and no size to be a part of",
+            _ if ["em", "ex", "ch", "rem"].iter().any(|unit| text.ends_with(unit)) => "no font is known here",
+            _ => "a length is a number, with px, mm, cm, in, pt or pc if it has a unit",
+        };
         let whole = self.viewport.map(|[width, height]| match along {
             Along::X => width,
             Along::Y => height,
@@ -35,10 +38,11 @@ impl Drawn<'_, '_> {
             text => Length::from_str(text).ok().and_then(|l| length(l, whole)).map(Some),
         };
         match (self.style.css(name), self.node.attribute_node(name)) {
-            (Some(declared), _) => read(declared.value).ok_or_else(|| of_css(&declared, name, HELP)),
-            (None, Some(attribute)) => {
-                read(attribute.value().trim()).ok_or_else(|| of_attribute(&attribute, HELP))
+            (Some(declared), _) => {
+                read(declared.value).ok_or_else(|| of_css(&declared, name, help(declared.value)))
             }
+            (None, Some(attribute)) => read(attribute.value().trim())
+                .ok_or_else(|| of_attribute(&attribute, help(attribute.value().trim()))),
             (None, None) => Ok(None),
         }
     }
