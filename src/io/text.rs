@@ -35,8 +35,46 @@ impl ReadError {
         parse(&text).map_err(|error| ReadError::Text { path: path.into(), error })
     }
 
+    /// The text of a file, as [`plain`] gives it.
     pub(super) fn bytes(path: &Path) -> Result<Vec<u8>, ReadError> {
-        std::fs::read(path).map_err(|source| ReadError::Io { path: path.into(), source })
+        let bytes = std::fs::read(path).map_err(|source| ReadError::Io { path: path.into(), source })?;
+        plain(bytes).map_err(|problem| ReadError::Text {
+            path: path.into(),
+            error: ParseError { line: 1, column: 1, problem },
+        })
+    }
+}
+
+/// The text of a file as readers expect it: in UTF-8 without a mark before it, lines ended by a line feed. Spreadsheets
+/// write UTF-16 as their Unicode text, and old programs end lines in a carriage return alone.
+fn plain(bytes: Vec<u8>) -> Result<Vec<u8>, Problem> {
+    let mut text = match bytes[..] {
+        [0xff, 0xfe, 0, 0, ..] | [0, 0, 0xfe, 0xff, ..] => return Err(Problem::Encoding("UTF-32")),
+        [0xff, 0xfe, ..] => from_utf16(&bytes[2..], u16::from_le_bytes)?,
+        [0xfe, 0xff, ..] => from_utf16(&bytes[2..], u16::from_be_bytes)?,
+        // No text has zeros: this is the half of a character.
+        [1..=0x7f, 0, ..] => from_utf16(&bytes, u16::from_le_bytes)?,
+        [0, 1..=0x7f, ..] => from_utf16(&bytes, u16::from_be_bytes)?,
+        [0xef, 0xbb, 0xbf, ..] => bytes[3..].to_vec(),
+        _ => bytes,
+    };
+    let mut at = 0;
+    while let Some(found) = text[at..].iter().position(|&byte| byte == b'\r') {
+        let start = at + found;
+        at = start + text[start..].iter().take_while(|&&byte| byte == b'\r').count();
+        if text.get(at) != Some(&b'\n') {
+            text[start..at].fill(b'\n');
+        }
+    }
+    Ok(text)
+}
+
+fn from_utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> Result<Vec<u8>, Problem> {
+    let (units, rest) = bytes.as_chunks();
+    let text: Result<String, _> = char::decode_utf16(units.iter().copied().map(unit)).collect();
+    match (text, rest) {
+        (Ok(text), []) => Ok(text.into_bytes()),
+        _ => Err(Problem::Encoding("UTF-16, which is broken in places")),
     }
 }
 
@@ -54,6 +92,8 @@ pub struct ParseError {
 /// an `.obj` from 1, as its own indices do.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum Problem {
+    #[error("the file is in {0}: save it as UTF-8")]
+    Encoding(&'static str),
     #[error("the file ends where {0} should stand")]
     Missing(Element),
     #[error("`{found}` stands where {expected} should: a whole number is needed")]

@@ -27,7 +27,7 @@ pub fn read(path: impl AsRef<Path>, ty: &Type) -> Result<Values, ReadError> {
         _ => return Err(ReadError::Format { path: path.into(), help: refuse }),
     };
     let text = ReadError::bytes(path)?;
-    parse(text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&text), ty).map_err(|wrong| match wrong {
+    parse(&text, ty).map_err(|wrong| match wrong {
         Wrong::Text(error) => ReadError::Text { path: path.into(), error },
         Wrong::Value(message) => ReadError::Values { path: path.into(), message },
     })
