@@ -63,7 +63,7 @@ fn nets(text: &[u8], rational: bool) -> Result<Noted<Vec<Net>>, Wrong> {
     let mut tokens = Tokens::new(text);
     let mut nets = Vec::new();
     let mut skipped = Tally::default();
-    let mut first_skipped = None;
+    let (mut first_skipped, mut unreadable) = (None, None);
     // A file that holds nothing at all was meant to hold something.
     tokens.clone().expect(Element::Kind { patch: 0 })?;
     while let Some((token, kind)) = kind(&mut tokens, nets.len())? {
@@ -73,20 +73,24 @@ fn nets(text: &[u8], rational: bool) -> Result<Noted<Vec<Net>>, Wrong> {
                 first_skipped
                     .get_or_insert_with(|| token.wrong(Problem::Kind { patch: nets.len(), kind, name }));
                 skipped.add(&format!("{name} (kind {number})"));
+                let before = tokens.clone();
                 let left_out = skip(&mut tokens, number);
-                // A file that is of other kinds from its beginning is wrong in that.
-                if !nets.is_empty() {
-                    left_out?;
-                } else if left_out.is_err() {
-                    break;
+                if let Err(wrong) = left_out {
+                    // A file that is of other kinds from its beginning is wrong in that, unless there is more behind.
+                    if !nets.is_empty() {
+                        return Err(unreadable.unwrap_or(wrong));
+                    }
+                    unreadable.get_or_insert(wrong);
+                    tokens = before;
+                    to_group(&mut tokens);
                 }
             }
             kind => nets.push(net(&mut tokens, kind, nets.len(), rational)?),
         }
     }
-    match first_skipped.filter(|_| nets.is_empty()) {
-        Some(wrong) => Err(wrong),
-        None => Ok(Noted { value: nets, notes: skipped.note().into_iter().collect() }),
+    match (first_skipped.filter(|_| nets.is_empty()), unreadable) {
+        (Some(wrong), _) | (None, Some(wrong)) => Err(wrong),
+        (None, None) => Ok(Noted { value: nets, notes: skipped.note().into_iter().collect() }),
     }
 }
 
@@ -164,14 +168,17 @@ fn skip(tokens: &mut Tokens, kind: u32) -> Result<(), Wrong> {
             let [m, n, p, q] = [count(tokens)?, count(tokens)?, count(tokens)?, count(tokens)?];
             numbers(tokens, grid(m, n).saturating_add(grid(p, q)))?;
         }
-        _ => {
-            let mut ahead = tokens.clone();
-            while ahead.next().is_some_and(|token| !is_group(&token)) {
-                *tokens = ahead.clone();
-            }
-        }
+        _ => to_group(tokens),
     }
     Ok(())
+}
+
+/// Leaves out what is left before the next group.
+fn to_group(tokens: &mut Tokens) {
+    let mut ahead = tokens.clone();
+    while ahead.next().is_some_and(|token| !is_group(&token)) {
+        *tokens = ahead.clone();
+    }
 }
 
 fn net(tokens: &mut Tokens, kind: Kind, patch: usize, rational: bool) -> Result<Net, Wrong> {

@@ -35,8 +35,46 @@ impl ReadError {
         parse(&text).map_err(|error| ReadError::Text { path: path.into(), error })
     }
 
+    /// The text of a file, as [`plain`] gives it.
     pub(super) fn bytes(path: &Path) -> Result<Vec<u8>, ReadError> {
-        std::fs::read(path).map_err(|source| ReadError::Io { path: path.into(), source })
+        let bytes = std::fs::read(path).map_err(|source| ReadError::Io { path: path.into(), source })?;
+        plain(bytes).map_err(|problem| ReadError::Text {
+            path: path.into(),
+            error: ParseError { line: 1, column: 1, problem },
+        })
+    }
+}
+
+/// The text of a file as readers expect it: in UTF-8 without a mark before it, lines ended by a line feed. Spreadsheets
+/// write UTF-16 as their Unicode text, and old programs end lines in a carriage return alone.
+fn plain(bytes: Vec<u8>) -> Result<Vec<u8>, Problem> {
+    let mut text = match bytes[..] {
+        [0xff, 0xfe, 0, 0, ..] | [0, 0, 0xfe, 0xff, ..] => return Err(Problem::Encoding("UTF-32")),
+        [0xff, 0xfe, ..] => from_utf16(&bytes[2..], u16::from_le_bytes)?,
+        [0xfe, 0xff, ..] => from_utf16(&bytes[2..], u16::from_be_bytes)?,
+        // No text has zeros: this is the half of a character.
+        [1..=0x7f, 0, ..] => from_utf16(&bytes, u16::from_le_bytes)?,
+        [0, 1..=0x7f, ..] => from_utf16(&bytes, u16::from_be_bytes)?,
+        [0xef, 0xbb, 0xbf, ..] => bytes[3..].to_vec(),
+        _ => bytes,
+    };
+    let mut at = 0;
+    while let Some(found) = text[at..].iter().position(|&byte| byte == b'\r') {
+        let start = at + found;
+        at = start + text[start..].iter().take_while(|&&byte| byte == b'\r').count();
+        if text.get(at) != Some(&b'\n') {
+            text[start..at].fill(b'\n');
+        }
+    }
+    Ok(text)
+}
+
+fn from_utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> Result<Vec<u8>, Problem> {
+    let (units, rest) = bytes.as_chunks();
+    let text: Result<String, _> = char::decode_utf16(units.iter().copied().map(unit)).collect();
+    match (text, rest) {
+        (Ok(text), []) => Ok(text.into_bytes()),
+        _ => Err(Problem::Encoding("UTF-16, which is broken in places")),
     }
 }
 
@@ -54,6 +92,8 @@ pub struct ParseError {
 /// an `.obj` from 1, as its own indices do.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum Problem {
+    #[error("the file is in {0}: save it as UTF-8")]
+    Encoding(&'static str),
     #[error("the file ends where {0} should stand")]
     Missing(Element),
     #[error("`{found}` stands where {expected} should: a whole number is needed")]
@@ -79,7 +119,10 @@ pub enum Problem {
     Line { point: Element, found: usize },
     #[error("`{found}` follows after the last of {patches} patches: nothing may")]
     Trailing { patches: usize, found: String },
-    #[error("patch {patch} is a {name}, of kind {kind}; kinds 4, 5 and 8 are read, and this file has none")]
+    #[error(
+        "patch {patch} is a {name}, of kind {kind}; kinds 4, 5 and 8 are read, and none was found (where the end of \
+         another kind is not known, all up to the next `Group` is taken for a part of it)"
+    )]
     Kind { patch: usize, kind: String, name: &'static str },
     #[error("`{found}` stands where the kind of patch {patch} should: 4, 5, 8 or `Group` is needed")]
     NotAKind { patch: usize, found: String },
@@ -103,6 +146,12 @@ pub enum Problem {
     Columns { found: String, wanted: &'static str },
     #[error("the columns are {found}; they should be {wanted}, in this order and nothing else")]
     ColumnNames { found: String, wanted: &'static str },
+    #[error(
+        "columns of this row: {found}, of the row of their names: {names}; there is a name for each, or no such row"
+    )]
+    Names { found: usize, names: usize },
+    #[error("`{found}` stands where {expected} should: a number is written with a point, as in 0.5")]
+    DecimalComma { expected: Element, found: String },
     #[error("`{found}` stands where a number, true or false should")]
     NotAValue { found: String },
     #[error("this line is no {ty}: {wanted}")]
@@ -111,14 +160,16 @@ pub enum Problem {
         "{found} stands where a number or one of the path commands M, L, H, V, C, S, Q, T, A and Z should, of which M is the first"
     )]
     PathData { found: String },
+    #[error("`{found}` stands where a flag of an arc should, which is 0 or 1")]
+    ArcFlag { found: String },
+    #[error("`{found}` is beyond the range of 32-bit floats (3.4e38)")]
+    TooLarge { found: String },
     #[error("{found} stands where a coordinate should: points are numbers, `x,y x,y`")]
     PointList { found: String },
     #[error("{found} numbers for points: each has an x and a y")]
     OddPoints { found: usize },
     #[error("{name} is `{found}`: {help}")]
     Attribute { name: String, found: String, help: &'static str },
-    #[error("this use of `{href}` is a part of what it names, and would never end")]
-    UseOfItself { href: String },
     #[error("this use draws more than {elements} elements or {points} points with all that it names in turn")]
     TooManyUses { elements: usize, points: usize },
     #[error("the file begins with <{found}>; an .svg begins with <svg>")]
@@ -127,6 +178,8 @@ pub enum Problem {
         "the file draws no lines; path, polyline, polygon, line, rect, circle and ellipse are read{skipped}"
     )]
     NoCurves { skipped: String },
+    #[error("the file draws no lines: it has {shapes}, but renders none ({why})")]
+    NoneRendered { shapes: String, why: String },
     /// In the words of the XML reader.
     #[error("{0}")]
     Xml(String),

@@ -27,7 +27,7 @@ pub fn read(path: impl AsRef<Path>, ty: &Type) -> Result<Values, ReadError> {
         _ => return Err(ReadError::Format { path: path.into(), help: refuse }),
     };
     let text = ReadError::bytes(path)?;
-    parse(text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&text), ty).map_err(|wrong| match wrong {
+    parse(&text, ty).map_err(|wrong| match wrong {
         Wrong::Text(error) => ReadError::Text { path: path.into(), error },
         Wrong::Value(message) => ReadError::Values { path: path.into(), message },
     })
@@ -54,6 +54,9 @@ pub fn parse_csv(text: &[u8], ty: &Type) -> Result<Vec<Value>, Wrong> {
         for cell in line.split(',') {
             let start = column + cell.chars().take_while(|c| c.is_whitespace()).count();
             let found = cell.trim();
+            // Spreadsheets may put all into quotes.
+            let found =
+                found.strip_prefix('"').and_then(|cell| cell.strip_suffix('"')).map_or(found, str::trim);
             let part =
                 entry(found).ok_or_else(|| wrong(start, Problem::NotAValue { found: found.into() }))?;
             parts.push(part);

@@ -40,6 +40,13 @@ fn values_that_are_wrong_are_named() {
         folder.run_in_vain(&["run", rules, "--backend", "cpu", "--bind", &bind]).fails(status, said);
     };
     text("a.csv", "warm\n", 1, &["a.csv:1:1: `warm` stands where a number, true or false should"]);
+    // What stands in quotes is a number, too: this one is too many.
+    text(
+        "quoted.csv",
+        "\"0.5\"\n \"1\" , \"2\"\n",
+        1,
+        &["quoted.csv:2:1: this line is no float: write one number"],
+    );
     text("b.csv", "0.5\n1, 2\n", 1, &["b.csv:2:1: this line is no float: write one number"]);
     text("c.csv", "1e39\n", 1, &["c.csv:1:1", "within the range of 32-bit floats"]);
     text(

@@ -85,6 +85,18 @@ fn other_kinds_beside_patches_are_counted() {
         assert_eq!((read.value, read.notes), (plain.clone(), vec![format!("skipped {says}")]), "{text}");
     }
     assert!(bv::parse(STRIP.as_bytes(), false).expect("a patch").notes.is_empty());
+    // Before the first patch, too: what is in a later group is found, and what is not is not said to be missing.
+    let read = bv::parse(format!("{trimming}{STRIP}{BILINEAR}").as_bytes(), false).expect("two patches");
+    assert_eq!((read.value, read.notes.len()), (plain, 1));
+    let broken = format!("9\n1 0\n0 0 0\nGroup 1\n{BILINEAR}");
+    assert_eq!(
+        problem(&broken, false),
+        (4, 1, NotANumber { expected: Element::Skipped, found: "Group".into() })
+    );
+    for text in [format!("6\n1 2 3\n{STRIP}"), format!("9\n9 9\n{BILINEAR}")] {
+        let error = bv::parse(text.as_bytes(), false).expect_err("taken for a part of it").to_string();
+        assert!(error.contains("none was found (where the end of another kind is not known"), "{error}");
+    }
 }
 
 /// A quarter of a cylinder: cos and sin come from weights, so the points must be homogeneous.

@@ -2,7 +2,7 @@
 
 use super::{in_svg, refused};
 use burgeon::curve::{Module, Word};
-use burgeon::io::curves::{Line, Panel, Picture, Polyline, Style, csv, raster, svg};
+use burgeon::io::curves::{self, Line, Panel, Picture, Polyline, Style, csv, raster, svg};
 use burgeon::io::obj;
 use burgeon::language::system::{Field, Topology};
 use burgeon::language::{Type, Value};
@@ -12,7 +12,7 @@ use proptest::prelude::*;
 
 #[test]
 fn other_refusals() {
-    let cases: [(&str, usize, (usize, usize), &str); 23] = [
+    let cases: [(&str, usize, (usize, usize), &str); 31] = [
         ("", 4, (1, 1), "ends where point 0 should"),
         ("x,y\n", 2, (2, 1), "ends where point 0 should"),
         ("1,2\n3,inf\n", 2, (2, 3), "y of point 1 is `inf`"),
@@ -34,6 +34,19 @@ fn other_refusals() {
         ("0,5,1,5\n", 2, (1, 1), "4 columns where a point is x,y, with commas"),
         ("0,5,1,5\n", 3, (1, 1), "points in decimals, as in 0.5,1.5"),
         ("x,y\n0,5,1\n", 2, (2, 1), "3 columns where"),
+        (
+            "\"0,5\",\"1,5\"\n",
+            2,
+            (1, 1),
+            "`0,5` stands where x of point 0 should: a number is written with a point",
+        ),
+        ("x,y\n\"0.5\",\"1,5\"\n", 2, (2, 7), "`1,5` stands where y of point 0 should"),
+        ("\"0,5\";\"1,5\"\n", 2, (1, 1), "`\"0,5\";\"1` stands where"),
+        ("\"0.5,1\n1,2\n", 2, (1, 1), "`\"0.5` stands where"),
+        ("a,b,c\n3,4\n", 3, (2, 1), "columns of this row: 2, of the row of their names: 3"),
+        ("x\n0,0\n", 2, (2, 1), "columns of this row: 2, of the row of their names: 1"),
+        ("x,y,z\n0,0\n", 3, (2, 1), "of their names: 3"),
+        ("\"x, across\"\n0,0\n", 2, (2, 1), "of their names: 1"),
         ("id,x,y\n1,0,0\n", 3, (1, 1), "the columns are id,x,y; they should be x,y or x,y,z, in this order"),
         ("x,y,id\n0,0,1\n", 3, (1, 5), "the columns are x,y,id"),
         ("y,x\n0,0\n", 2, (1, 1), "the columns are y,x"),
@@ -47,6 +60,15 @@ fn other_refusals() {
         let text = format!("{names}\n1,2\n");
         let read = csv::parse(text.as_bytes(), 2).unwrap_or_else(|e| panic!("{names}: {e}"));
         assert_eq!(read, [Polyline::from(vec![[1.0, 2.0, 0.0, 1.0]])], "{names}");
+    }
+    // Spreadsheets may put all into quotes, and a first row of quoted numbers is a point.
+    for text in [
+        "\"0.5\",\"1.5\"\n2.5,3.5",
+        "\"x\",\"y\"\n\"0.5\",\"1.5\"\r\n \" 2.5\" ,\"3.5\"\r\n",
+        "\"a, b\",\"\"\"b\"\"\"\n0.5,\"1.5\"\n2.5,3.5\n",
+    ] {
+        let read = csv::parse(text.as_bytes(), 2).unwrap_or_else(|e| panic!("{text}: {e}"));
+        assert_eq!(read, [Polyline::from(vec![[0.5, 1.5, 0.0, 1.0], [2.5, 3.5, 0.0, 1.0]])], "{text}");
     }
     refused(obj::lines(b"# nothing\n"), (1, 10), "ends where vertex 1 should");
     refused(obj::lines(b"v 0 0 0\nv 0 nan 0\n"), (2, 5), "finite");
@@ -318,4 +340,55 @@ fn csv_of_polygons_and_of_symbols() {
         assert_eq!(String::from_utf8_lossy(&text), expected);
         refused(csv::parse(&text, 3), (2, 1), "1 column where");
     }
+}
+
+/// Encodings and ends of lines are a matter of files, whatever their format.
+#[test]
+fn files_are_in_other_encodings() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let read = |file: &str, bytes: &[u8]| {
+        let path = folder.path().join(file);
+        std::fs::write(&path, bytes).expect("written");
+        curves::read(&path, 3).map(|read| read.value[0].points.len()).map_err(|e| e.to_string())
+    };
+    let utf16 = |text: &str, mark: &[u8], bytes: fn(u16) -> [u8; 2]| -> Vec<u8> {
+        mark.iter().copied().chain(text.encode_utf16().flat_map(bytes)).collect()
+    };
+    for (file, text) in [
+        ("a.csv", "größe,höhe\n0,0\n1,0\n2,0\n"),
+        ("a.obj", "# 𝄞\nv 0 0 0\nv 1 0 0\nv 2 0 0\nl 1 2 3\n"),
+        (
+            "a.svg",
+            "<?xml version=\"1.0\" encoding=\"UTF-16\"?>\n<svg><polyline points='0 0 1 0 2 0'/></svg>\n",
+        ),
+    ] {
+        for bytes in [
+            text.as_bytes().to_vec(),
+            [b"\xef\xbb\xbf", text.as_bytes()].concat(),
+            utf16(text, b"\xff\xfe", u16::to_le_bytes),
+            utf16(text, b"\xfe\xff", u16::to_be_bytes),
+            utf16(text, b"", u16::to_le_bytes),
+            utf16(text, b"", u16::to_be_bytes),
+            text.replace('\n', "\r").into_bytes(),
+            text.replace('\n', "\r\n").into_bytes(),
+            text.replace('\n', "\r\r\n").into_bytes(),
+        ] {
+            assert_eq!(read(file, &bytes), Ok(3), "{file}: {:?}", String::from_utf8_lossy(&bytes));
+        }
+    }
+    // Places are those of what an editor shows.
+    for (bytes, says) in [
+        (&b"0,0\r1,x\r"[..], "a.csv:2:3: `x` stands where"),
+        (b"\xef\xbb\xbf0,x\n", "a.csv:1:3: `x` stands where"),
+        (b"\xff\xfe1\0,", "a.csv:1:1: the file is in UTF-16, which is broken in places: save it as UTF-8"),
+        (b"\xff\xfe\0\xd8", "the file is in UTF-16, which is broken"),
+        (b"\xff\xfe\0\0x\0\0\0", "a.csv:1:1: the file is in UTF-32: save it as UTF-8"),
+    ] {
+        let error = read("a.csv", bytes).expect_err(says);
+        assert!(error.contains(says), "{error}");
+    }
+    // An empty row ends a curve, however rows end.
+    let path = folder.path().join("b.csv");
+    std::fs::write(&path, "0,0\r1,0\r\r2,0\r").expect("written");
+    assert_eq!(curves::read(&path, 2).expect("two curves").value.len(), 2);
 }

@@ -66,6 +66,15 @@ fn what_is_no_line() {
     // Vertices alone are one curve, of which nobody says whether it closes.
     let read = obj::lines(b"v 0 0 0\nv 1 0 0\n").expect("two points").value;
     assert_eq!((read.len(), read[0].closed), (1, None));
+    let free = "v 0 0 0\nv 1 0 0\nl 1 2\ncstype rat bspline\ndeg 3\ncurv 0 1 1 2 \\\n 1 2\nparm u 0 1\nend\ncurv2 1 2\n\
+                surf 0 1 0 1 1 2\ntrim 0 1 1\nhole 0 1 1\nscrv 0 1 1\nsp 1\ncon 1 0 1 1 2 0 1 1\nbmat u 1\nstep 1\nmg 1\nusemap a\n\
+                maplib a\nshadow_obj a\ntrace_obj a\nlod 1\nbevel on\nc_interp on\nd_interp on\nctech cparm 1\n\
+                stech cparma 1 1\ncsh ls\ncall a.obj\nsurf 0 1 0 1 1 2\n";
+    let read = obj::lines(free.as_bytes()).expect("a line");
+    let says = "skipped 1 × curve of free form, 1 × curve of free form on a surface, 2 × surface of free form, 1 × call of \
+                another file";
+    assert_eq!((read.value.len(), &read.notes[..]), (1, &[says.to_string()][..]));
+    refused(obj::lines(b"v 0 0 0\ncurve 1\n"), (2, 1), "`curve` is no statement");
     for (text, place, says) in [
         ("v 0 0 0\nl\n", (2, 1), "line 1 has 0 of the two vertices"),
         ("v 0 0 0\nv 0 0 1\nl 1 2\nl 1\n", (4, 1), "line 2 has 1 of the two vertices"),

@@ -60,9 +60,13 @@ fn svg_refusals() {
         ("<polyline points='0 0 1^'/>", "3 numbers for points"),
         ("<polyline points='0 0 1 ^inf'/>", "`inf` stands where a coordinate should"),
         ("<polyline points='0 0\n 1 -^1e39'/>", "y of point 1 is `1e39`, beyond the range"),
-        ("<rect width='^10em'/>", "width is `10em`: a length is a number"),
-        ("<circle r='^x'/>", "r is `x`"),
-        ("<rect style='^width:1furlong' height='2'/>", "width is `1furlong`"),
+        ("<path d='M0 0 A1 1 0 0 ^2 3 3'/>", "`2` stands where a flag of an arc should, which is 0 or 1"),
+        ("<path d='M0 0 a1 1 0 ^-1 0 3 3'/>", "`-1` stands where a flag of an arc should"),
+        ("<path d='M0 0 a1 1 0 0 0 3 3 1 1 0 1^.5 1 1'/>", "`.5` stands where a flag"),
+        ("<path d='M0 0 A1 1 0 0 0 ^1e400 3'/>", "`1e400` is beyond the range"),
+        ("<path d='M0 0h^-1e400v1'/>", "`-1e400` is beyond the range"),
+        ("<path d='M0 0z ^2'/>", "`2` stands where a number or one of the path commands"),
+        ("<polygon points='0,0 ^1e400,1'/>", "`1e400` is beyond the range"),
         (
             "<g style='^transform: rotate3d(1,1,1,45deg)'/>",
             "transform is `rotate3d(1,1,1,45deg)`: a transform is made",
@@ -71,18 +75,13 @@ fn svg_refusals() {
         ("<g style='^rotate: 45deg'/>", "rotate is `45deg`: it is not read; the property transform is"),
         (
             "<g transform='scale(2)' style='^transform-box:fill-box;transform-origin:center'/>",
-            "transform-box is `fill-box`",
+            "transform-box is `fill-box`: only view-box is read",
         ),
-        ("<path style='^d:path(\"M0 0L1 1\")'/>", "read from its attribute"),
-        ("<svg viewBox='^0 0 1 x'/>", "viewBox is `0 0 1 x`: a viewBox is four numbers"),
-        ("<svg viewBox='0 0 1 1' width='1' height='1' preserveAspectRatio='^middle'/>", "`middle`"),
+        // The point that stays is a corner of the box.
+        ("<g transform='scale(2)' transform-box='^fill-box'/>", "transform-box is `fill-box`: only view-box"),
         (
-            "<defs><g id='a'><line x2='1'/>^<use href='#a'/></g></defs><use href='#a'/>",
-            "use of `#a` is a part of what it names",
-        ),
-        (
-            "<defs><g id='a'><use href='#b'/></g><g id='b'>^<use href='#a'/></g></defs><use href='#a'/>",
-            "use of `#a` is a part",
+            "<g transform='scale(2)' transform-origin='^1em 0'/>",
+            "transform-origin is `1em 0`: it is not read unless",
         ),
         ("<g transform='^turn(3)'/>", "transform is `turn(3)`"),
     ];
@@ -287,7 +286,11 @@ fn lengths_have_units() {
     assert_eq!(lengths("<line x2='100%'/>"), [9.0]);
     let plain = b"<svg width='20' height='10'><line x2='50%' y2='50%'/></svg>";
     assert_eq!(svg::parse(plain).expect("a line").value[0].points[1], [10.0, -5.0, 0.0, 1.0]);
-    refused(svg::parse(b"<svg><line x2='50%'/></svg>"), (1, 16), "x2 is `50%`");
+    refused(
+        svg::parse(b"<svg><line x2='50%'/></svg>"),
+        (1, 1),
+        "x2 is not read (`50%`: the svg has no viewBox and no size",
+    );
 }
 
 #[test]
@@ -311,6 +314,94 @@ fn what_is_not_read_is_counted() {
     assert_eq!(read.notes, [says]);
     let text = in_svg("<text>a</text>");
     refused(svg::parse(text.as_bytes()), (1, 1), "circle and ellipse are read (skipped 1 × text)");
+    for (body, says) in [
+        (
+            "<g display='none'><path d='M0 0h1'/><rect/></g>",
+            "it has 2 shapes, but renders none (hidden by display",
+        ),
+        (
+            "<defs><line x2='1'/></defs>",
+            "it has 1 shape, but renders none (hidden by display or visibility, in defs",
+        ),
+        (
+            "<rect/><text>a</text>",
+            "it has 1 shape, but renders none (skipped 1 × rect without a size, 1 × text)",
+        ),
+    ] {
+        refused(svg::parse(in_svg(body).as_bytes()), (1, 1), says);
+    }
+}
+
+/// What cannot be read is no reason to refuse what can be.
+#[test]
+fn what_is_wrong_in_itself_is_skipped() {
+    let flat = "in a transform of size zero";
+    for (body, note) in [
+        ("<rect width='1em' height='2rem'/>", "1 × rect whose width is not read (`1em`: no font is known here)".to_string()),
+        ("<rect width='abc'/>", "1 × rect whose width is not read (`abc`: a length is a number, with px, mm, cm, in, pt or pc if it has a unit)".to_string()),
+        (
+            "<rect style='width:1furlong' height='2'/>",
+            "1 × rect whose width is not read (`1furlong`: a length is a number, with px, mm, cm, in, pt or pc if it has a unit)".to_string(),
+        ),
+        ("<circle r='x'/><circle r='x'/>", "2 × circle whose r is not read (`x`: a length is a number, with px, mm, cm, in, pt or pc if it has a unit)".to_string()),
+        (
+            "<path style='d:path(\"M0 0L1 1\")'/>",
+            "1 × path whose d is not read (`path(\"M0 0L1 1\")`: the data of a path are read from its attribute d)".to_string(),
+        ),
+        ("<polyline points='none'/>", "1 × polyline without points".to_string()),
+        (
+            "<svg viewBox='0 0 1 x'><line x2='2'/></svg>",
+            "1 × svg whose viewBox is not read (`0 0 1 x`: a viewBox is four numbers, of which width and height are positive)".to_string(),
+        ),
+        (
+            "<svg viewBox='0 0 1 1' preserveAspectRatio='middle'/>",
+            "1 × svg whose preserveAspectRatio is not read (`middle`: it is none or one as xMidYMid, with meet or slice)".to_string(),
+        ),
+        (
+            "<line id='l' x2='3' display='none'/><use href='#l' x='a'/>",
+            "1 × use whose x is not read (`a`: a length is a number, with px, mm, cm, in, pt or pc if it has a unit)".to_string(),
+        ),
+        ("<g id='a'><use href='#a'/></g>", "1 × use of what it is a part of".to_string()),
+        ("<use id='a' href='#a'/>", "1 × use of what it is a part of".to_string()),
+        (
+            "<defs><g id='a'><use href='#b'/></g><g id='b'><use href='#a'/></g></defs><use href='#a'/>",
+            "1 × use of what it is a part of".to_string(),
+        ),
+        (
+            "<g transform='scale(0)'><path d='M1 1h2'/><g><line x2='2'/></g></g>",
+            format!("1 × path {flat}, 1 × line {flat}"),
+        ),
+        (
+            "<rect width='1' height='1' transform='rotate(30) scale(1 0) rotate(50)'/>",
+            format!("1 × rect {flat}"),
+        ),
+        ("<circle r='1' style='transform:skewX(45deg) matrix(1,1,1,1,0,0)'/>", format!("1 × circle {flat}")),
+    ] {
+        let read = all(&format!("{body}<line x2='1'/>"));
+        assert_eq!((read.value.len(), &read.notes[..]), (1, &[format!("skipped {note}")][..]), "{body}");
+    }
+    // Small is not flat.
+    assert_eq!(read("<line x2='1e9' transform='scale(1e-9 1e-20)'/>").len(), 1);
+}
+
+#[test]
+fn sheets_are_for_media() {
+    for (media, applies) in [
+        ("", true),
+        ("all", true),
+        ("Screen", true),
+        ("print, screen", true),
+        ("only screen", true),
+        ("not print", true),
+        ("print", false),
+        ("not screen", false),
+        ("screen and (max-width: 10px)", false),
+    ] {
+        let body = format!(
+            "<style media='{media}'>.a{{display:none}}</style><line class='a' x2='2'/><line x2='1'/>"
+        );
+        assert_eq!(read(&body).len(), if applies { 1 } else { 2 }, "{media}");
+    }
 }
 
 #[test]

@@ -8,8 +8,9 @@ use crate::curve::Word;
 use crate::language::Value;
 use std::io::Write;
 
-/// Reads curves: a point a row, an empty row between curves, `coordinates` (2 to 4) columns at most. A first row without
-/// a number names the columns; where it names one of x, y, z and w, or `NAME.x` and so on, they must stand in this order.
+/// Reads curves: a point a row, an empty row between curves, `coordinates` (2 to 4) columns at most. Cells may stand in
+/// quotes, numbers too. A first row without a number names the columns, of which there are as many as of each row; where it
+/// names one of x, y, z and w, or `NAME.x` and so on, they must stand in this order.
 /// A curve of four rows or more that ends in its first point has it once and is closed; of others the file does not say
 /// whether they are.
 ///
@@ -27,7 +28,7 @@ fn wanted(coordinates: usize) -> &'static str {
 fn curves(text: &[u8], coordinates: usize) -> Result<Vec<Polyline>, Wrong> {
     let mut curves: Vec<Vec<[f32; 4]>> = vec![Vec::new()];
     let mut offset = if text.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
-    let (mut columns, mut row, mut points) = (None, 0, 0);
+    let (mut columns, mut names, mut row, mut points) = (None, None, 0, 0);
     for line in text[offset..].split_inclusive(|&byte| byte == b'\n') {
         let start = offset;
         offset += line.len();
@@ -41,6 +42,7 @@ fn curves(text: &[u8], coordinates: usize) -> Result<Vec<Polyline>, Wrong> {
         let cells = || cells_of(line, start);
         if row == 1 && is_header(cells()) {
             check_names(cells(), coordinates)?;
+            names = Some(cells().take(MOST_COLUMNS).count());
             continue;
         }
         // A row may be as long as the file.
@@ -57,9 +59,17 @@ fn curves(text: &[u8], coordinates: usize) -> Result<Vec<Polyline>, Wrong> {
                 problem: Problem::Columns { found, wanted: wanted(coordinates) },
             });
         }
+        // A name too few or too many: which column is which, nobody knows.
+        if let Some(names) = names.filter(|&names| names != first) {
+            return Err(Wrong { offset: start, problem: Problem::Names { found, names } });
+        }
         let mut point = [0.0, 0.0, 0.0, 1.0];
         for (axis, (value, cell)) in point.iter_mut().zip(cells()).enumerate() {
-            *value = cell.finite(coordinate(points, axis))?;
+            let element = coordinate(points, axis);
+            if has_decimal_comma(&cell) {
+                return Err(cell.wrong(Problem::DecimalComma { expected: element, found: cell.shown() }));
+            }
+            *value = cell.finite(element)?;
         }
         if found != first {
             return Err(Wrong { offset: start, problem: Problem::Row { found, first } });
@@ -86,22 +96,51 @@ fn coordinate(point: usize, axis: usize) -> Element {
     Element::CurveCoordinate { point, axis }
 }
 
+/// The cells of a line without the quotes around them, in which commas are no ends of cells.
 fn cells_of(line: &[u8], start: usize) -> impl Iterator<Item = Token<'_>> {
-    let mut at = start;
-    line.split(|&byte| byte == b',').map(move |cell| {
+    let mut rest = Some((line, start));
+    std::iter::from_fn(move || {
+        let (line, at) = rest?;
         // An empty cell is wrong where it begins, not after its line break.
-        let blank = cell.iter().position(|byte| !byte.is_ascii_whitespace()).unwrap_or(0);
-        let token = Token { text: cell.trim_ascii(), offset: at + blank };
-        at += cell.len() + 1;
-        token
+        let blank = line.iter().position(|byte| !byte.is_ascii_whitespace()).unwrap_or(0);
+        let quoted = closing_quote(&line[blank..]).map_or(0, |close| blank + close + 1);
+        let length = line[quoted..].iter().position(|&byte| byte == b',').map(|comma| quoted + comma);
+        rest = length.map(|length| (&line[length + 1..], at + length + 1));
+        let cell = line[..length.unwrap_or(line.len())].trim_ascii();
+        // What stands behind the quotes is a part of the cell, as they are then.
+        let text = match cell {
+            [b'"', inner @ .., b'"'] if quoted == blank + cell.len() => inner.trim_ascii(),
+            _ => cell,
+        };
+        Some(Token { text, offset: at + blank })
     })
+}
+
+/// Where the quotes close that this text begins with; two in a row are one inside.
+fn closing_quote(text: &[u8]) -> Option<usize> {
+    let mut at = usize::from(text.first() == Some(&b'"'));
+    while at > 0 {
+        at += text[at..].iter().position(|&byte| byte == b'"')?;
+        if text.get(at + 1) != Some(&b'"') {
+            return Some(at);
+        }
+        at += 2;
+    }
+    None
+}
+
+/// Two whole numbers with a comma between, as spreadsheets write decimals in half of the world: quotes hold it together.
+fn has_decimal_comma(cell: &Token) -> bool {
+    cell.text.contains(&b',') && {
+        let text: Vec<u8> = cell.text.iter().map(|&byte| if byte == b',' { b'.' } else { byte }).collect();
+        Token { text: &text, ..*cell }.parse::<f64>().is_some()
+    }
 }
 
 /// Names of columns: no cell is a number, of which NaN is one, and the first begins as a name does.
 fn is_header<'a>(mut cells: impl Iterator<Item = Token<'a>>) -> bool {
-    let name = |cell: &Token| {
-        matches!(cell.text.first(), Some(b'"' | b'_' | b'#' | b'a'..=b'z' | b'A'..=b'Z' | 0x80..))
-    };
+    let name =
+        |cell: &Token| matches!(cell.text.first(), Some(b'_' | b'#' | b'a'..=b'z' | b'A'..=b'Z' | 0x80..));
     let number = |cell: &Token| cell.parse::<f64>().is_some();
     let first = cells.next();
     first.is_some_and(|cell| name(&cell) && !number(&cell)) && !cells.any(|cell| number(&cell))

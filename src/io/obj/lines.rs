@@ -5,7 +5,7 @@ use super::super::number::{write_each, write_usize};
 use super::super::text::{Element, ParseError, Problem, Token, Wrong};
 use super::super::write::{WriteError, one_line, write_in_blocks};
 use super::chain::{Chain, chains};
-use super::read::{joined, statements, vertex};
+use super::read::{is_passed_over, joined, statements, unread, vertex};
 use crate::curve::Word;
 use crate::io::curves::{self, Polyline};
 use std::io::Write;
@@ -13,7 +13,8 @@ use std::io::Write;
 /// Reads a curve for each `l`; where there is none, all vertices in their order are one. Lines that share an end are
 /// one, in whatever order and direction they stand, as where each edge is a line; where three edges meet, lines end. A
 /// line that ends at its first vertex has it once and is closed. A fourth number of a vertex is its fourth coordinate,
-/// and a weight to nothing here. Faces and points are skipped, and a note counts them.
+/// and a weight to nothing here. Faces, points,
+/// curves and surfaces of free form and calls of other files are skipped, and a note counts them.
 ///
 /// # Errors
 /// A vertex that is none, a line of fewer than two vertices or that names one that is not there, a text without vertices.
@@ -42,8 +43,11 @@ fn curves(text: &[u8]) -> Result<Noted<Vec<Polyline>>, Wrong> {
             }
             b"f" => skipped.add("face"),
             b"p" => skipped.add("point"),
-            b"vt" | b"vn" | b"vp" | b"g" | b"o" | b"s" | b"t" | b"usemtl" | b"mtllib" => {}
-            _ => return Err(keyword.wrong(Problem::Statement { found: keyword.shown() })),
+            other if is_passed_over(other) => {}
+            other => match unread(other) {
+                Some(kind) => skipped.add(kind),
+                None => return Err(keyword.wrong(Problem::Statement { found: keyword.shown() })),
+            },
         }
     }
     if vertices.is_empty() {

@@ -33,7 +33,7 @@ pub fn read_bspline(path: impl AsRef<Path>, rational: bool) -> Result<Vec<Net>, 
 /// Points are `v x y z` or, with a weight, `v x y z w`, which is no factor of x, y and z; unless `rational`,
 /// all weights must be 1. A
 /// colour, `v x y z r g b`, is passed over, and so are texture coordinates, normals, groups,
-/// materials, and vertices of no face.
+/// materials, curves and surfaces of free form, and vertices of no face.
 ///
 /// # Errors
 /// The first thing that is wrong in the text, or what keeps its faces from being a grid.

@@ -56,11 +56,62 @@ pub fn polygons(text: &[u8], rational: bool) -> Result<Polygons, Wrong> {
                 }
                 read.faces.push(Face { range: first..read.corners.len(), offset: keyword.offset });
             }
-            b"vt" | b"vn" | b"vp" | b"g" | b"o" | b"s" | b"l" | b"p" | b"t" | b"usemtl" | b"mtllib" => {}
+            b"l" | b"p" => {}
+            other if is_passed_over(other) || unread(other).is_some() => {}
             _ => return Err(keyword.wrong(Problem::Statement { found: keyword.shown() })),
         }
     }
     Ok(read)
+}
+
+/// Statements that say nothing of points, lines and faces, and those that belong to curves and surfaces of free form.
+pub(super) fn is_passed_over(keyword: &[u8]) -> bool {
+    const PASSED_OVER: [&str; 32] = [
+        "vt",
+        "vn",
+        "vp",
+        "g",
+        "o",
+        "s",
+        "mg",
+        "usemtl",
+        "mtllib",
+        "usemap",
+        "maplib",
+        "shadow_obj",
+        "trace_obj",
+        "lod",
+        "bevel",
+        "c_interp",
+        "d_interp",
+        "ctech",
+        "stech",
+        "csh",
+        "t",
+        "cstype",
+        "deg",
+        "bmat",
+        "step",
+        "parm",
+        "trim",
+        "hole",
+        "scrv",
+        "sp",
+        "end",
+        "con",
+    ];
+    PASSED_OVER.iter().any(|known| known.as_bytes() == keyword)
+}
+
+/// What a statement draws that is not read: of free form, or in another file.
+pub(super) fn unread(keyword: &[u8]) -> Option<&'static str> {
+    match keyword {
+        b"curv" => Some("curve of free form"),
+        b"curv2" => Some("curve of free form on a surface"),
+        b"surf" => Some("surface of free form"),
+        b"call" => Some("call of another file"),
+        _ => None,
+    }
 }
 
 /// The lines, each up to its comment.

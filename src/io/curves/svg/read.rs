@@ -3,7 +3,6 @@
 use super::shapes::Along;
 use super::style::{Sheet, Style};
 use super::transform::{self, Viewport, into_box, view_box};
-use super::wrong::shown;
 use crate::curve::Polyline;
 use crate::io::Noted;
 use crate::io::notes::Tally;
@@ -52,6 +51,9 @@ const NOT_RENDERED: [&str; 31] = [
     "stop",
 ];
 
+/// Elements that draw lines.
+const SHAPES: [&str; 7] = ["path", "polyline", "polygon", "line", "rect", "circle", "ellipse"];
+
 /// Elements drawn by `use`, and points in all: more come of a few lines that name each other, not of a drawing.
 const MOST_ELEMENTS: usize = 1 << 20;
 const MOST_POINTS: usize = 1 << 25;
@@ -62,7 +64,8 @@ const MOST_POINTS: usize = 1 << 25;
 /// What is not rendered is not read: what `display` or `visibility` hides, by attribute, `style` or style sheet, what
 /// stands in `defs`, `symbol`, `marker` and their like, and all but the first child of a `switch` whose conditions hold
 /// (the language is English). `use` draws what it names, and an `svg` in another is fitted into its box. The `viewBox` of
-/// the outermost gives the points no scale. Text, images, and shapes without a size are skipped, and a note counts them.
+/// the outermost gives the points no scale. Text, images, shapes without a size or in a transform that leaves none, those
+/// with a length that is not read, and a `use` of what it is a part of are skipped, and a note counts them.
 ///
 /// What is curved becomes so many points that lines between them are off it by a thousandth of the size of each piece at
 /// most. A curve that ends at its first point has it once, and is closed; a path does also where rounded numbers miss the
@@ -70,7 +73,7 @@ const MOST_POINTS: usize = 1 << 25;
 /// segments, within a twentieth of its size. An arc to its own start adds no point.
 ///
 /// # Errors
-/// XML that is wrong, a value that is none, a number that is too large, a `use` in a circle, a file without curves.
+/// XML that is wrong, a value that is none, a number that is too large, a file without curves.
 pub fn parse(text: &[u8]) -> Result<Noted<Vec<Polyline>>, ParseError> {
     read(text).map_err(|wrong| wrong.locate(text))
 }
@@ -97,8 +100,18 @@ fn read(text: &[u8]) -> Result<Noted<Vec<Polyline>>, Wrong> {
     let reader = Reader::new(&document);
     let (curves, skipped) = reader.all(root)?;
     if curves.is_empty() {
-        let problem = Problem::NoCurves {
-            skipped: skipped.note().map(|note| format!(" ({note})")).unwrap_or_default(),
+        let shape = |node: &Node| is_svg(node) && SHAPES.contains(&node.tag_name().name());
+        let skipped = skipped.note();
+        let problem = match root.descendants().filter(shape).count() {
+            0 => Problem::NoCurves { skipped: skipped.map(|note| format!(" ({note})")).unwrap_or_default() },
+            count => {
+                let shapes = format!("{count} shape{}", if count == 1 { "" } else { "s" });
+                let why = skipped.unwrap_or_else(|| {
+                    "hidden by display or visibility, in defs that nothing uses, or of a single point"
+                        .to_string()
+                });
+                Problem::NoneRendered { shapes, why }
+            }
         };
         return Err(Wrong { offset: root.range().start, problem });
     }
@@ -234,13 +247,35 @@ impl<'a> Reader<'a> {
                 };
                 self.children(&place);
             }
-            "svg" | "symbol" => self.framed(place, &drawn, name)?,
-            "use" => self.instance(&place, &drawn)?,
+            "svg" | "symbol" => {
+                let read = self.framed(place, &drawn, name);
+                self.or_skipped(read, name)?;
+            }
+            "use" => {
+                let read = self.instance(&place, &drawn);
+                self.or_skipped(read, name)?;
+            }
             _ if !place.visible => {}
-            _ if self.shape(&drawn, name)? => {}
-            _ => self.skipped.add(name),
+            _ if !SHAPES.contains(&name) => self.skipped.add(name),
+            // As of sizes of zero, nothing is rendered of it.
+            _ if is_flat(place.transform) => self.skipped.add(&format!("{name} in a transform of size zero")),
+            _ => {
+                let read = self.shape(&drawn, name);
+                self.or_skipped(read, name)?;
+            }
         }
         Ok(())
+    }
+
+    /// An element with a value that is not read is left out, and counted: it is no reason to refuse the others.
+    fn or_skipped(&mut self, read: Result<(), Wrong>, element: &str) -> Result<(), Wrong> {
+        match read {
+            Err(Wrong { problem: Problem::Attribute { name, found, help }, .. }) => {
+                self.skipped.add(&format!("{element} whose {name} is not read (`{found}`: {help})"));
+                Ok(())
+            }
+            read => read,
+        }
     }
 
     fn children(&mut self, parent: &Place<'a>) {
@@ -296,13 +331,14 @@ impl<'a> Reader<'a> {
             self.skipped.add("use of nothing");
             return Ok(());
         };
-        let mut around = place.instance.as_ref();
-        while let Some(instance) = around {
-            if instance.target == target.id() {
-                let problem = Problem::UseOfItself { href: shown(href.value()) };
-                return Err(Wrong { offset: node.range().start, problem });
-            }
-            around = instance.within.as_ref();
+        let of_instance = |id| {
+            std::iter::successors(place.instance.as_ref(), |instance| instance.within.as_ref())
+                .any(|instance| instance.target == id)
+        };
+        if of_instance(target.id()) || node.ancestors().any(|around| around == target) {
+            // It would never end.
+            self.skipped.add("use of what it is a part of");
+            return Ok(());
         }
         let corner = [drawn.length("x", Along::X)?, drawn.length("y", Along::Y)?].map(|x| x.unwrap_or(0.0));
         let transform = place.transform * Affine::translate((corner[0], corner[1]));
@@ -314,6 +350,14 @@ impl<'a> Reader<'a> {
 
 fn is_svg(node: &Node) -> bool {
     node.is_element() && node.tag_name().namespace().is_none_or(|ns| ns == SVG)
+}
+
+/// Whether what is transformed has no area, but for rounding.
+fn is_flat(transform: Affine) -> bool {
+    let [a, b, c, d, ..] = transform.as_coeffs();
+    let (x, y) = (a.hypot(b), c.hypot(d));
+    // Scaled to axes of length one, since both may be small.
+    x == 0.0 || y == 0.0 || ((a / x) * (d / y) - (b / x) * (c / y)).abs() < 1e-12
 }
 
 /// Whether a `switch` may take it.

@@ -23,8 +23,11 @@ pub enum Along {
 impl Drawn<'_, '_> {
     /// A length, if it is given and not `auto`.
     pub fn length(&self, name: &str, along: Along) -> Result<Option<f64>, Wrong> {
-        const HELP: &str = "a length is a number, with px, mm, cm, in, pt or pc if it has a unit; % are read where the \
-                            svg has a viewBox or a size";
+        let help = |text: &str| match text {
+            _ if text.ends_with('%') => "the svg has no viewBox and no size to be a part of",
+            _ if ["em", "ex", "ch", "rem"].iter().any(|unit| text.ends_with(unit)) => "no font is known here",
+            _ => "a length is a number, with px, mm, cm, in, pt or pc if it has a unit",
+        };
         let whole = self.viewport.map(|[width, height]| match along {
             Along::X => width,
             Along::Y => height,
@@ -35,10 +38,11 @@ impl Drawn<'_, '_> {
             text => Length::from_str(text).ok().and_then(|l| length(l, whole)).map(Some),
         };
         match (self.style.css(name), self.node.attribute_node(name)) {
-            (Some(declared), _) => read(declared.value).ok_or_else(|| of_css(&declared, name, HELP)),
-            (None, Some(attribute)) => {
-                read(attribute.value().trim()).ok_or_else(|| of_attribute(&attribute, HELP))
+            (Some(declared), _) => {
+                read(declared.value).ok_or_else(|| of_css(&declared, name, help(declared.value)))
             }
+            (None, Some(attribute)) => read(attribute.value().trim())
+                .ok_or_else(|| of_attribute(&attribute, help(attribute.value().trim()))),
             (None, None) => Ok(None),
         }
     }
@@ -59,26 +63,23 @@ impl Drawn<'_, '_> {
 }
 
 impl Reader<'_> {
-    /// Reads what a shape draws. Returns whether it is one.
-    pub fn shape(&mut self, drawn: &Drawn, name: &str) -> Result<bool, Wrong> {
+    /// Reads what a shape draws.
+    pub fn shape(&mut self, drawn: &Drawn, name: &str) -> Result<(), Wrong> {
         match name {
-            "path" => self.path(drawn)?,
-            "polyline" => self.list(drawn, false)?,
-            "polygon" => self.list(drawn, true)?,
+            "path" => self.path(drawn),
+            "polyline" => self.list(drawn, false),
+            "polygon" => self.list(drawn, true),
             "line" => {
                 let ends = [("x1", Along::X), ("y1", Along::Y), ("x2", Along::X), ("y2", Along::Y)];
                 let [x1, y1, x2, y2] = drawn.lengths(ends)?.map(|x| x.unwrap_or(0.0));
                 if (x1, y1) == (x2, y2) {
                     self.skipped.add("line without a length");
-                    return Ok(true);
+                    return Ok(());
                 }
-                self.elements(
-                    drawn,
-                    [PathEl::MoveTo((x1, y1).into()), PathEl::LineTo((x2, y2).into())],
-                    false,
-                )?;
+                let ends = [PathEl::MoveTo((x1, y1).into()), PathEl::LineTo((x2, y2).into())];
+                self.elements(drawn, ends, false)
             }
-            "rect" => self.rect(drawn)?,
+            "rect" => self.rect(drawn),
             "circle" | "ellipse" => {
                 let [cx, cy] = drawn.lengths([("cx", Along::X), ("cy", Along::Y)])?.map(|x| x.unwrap_or(0.0));
                 let radii = match name {
@@ -90,14 +91,17 @@ impl Reader<'_> {
                     Some([rx, ry]) => {
                         let to = Affine::translate((cx, cy)) * Affine::scale_non_uniform(rx, ry);
                         let round = Circle::new(Point::ORIGIN, 1.0);
-                        self.elements(drawn, round.path_elements(ROUND).map(|el| to * el), true)?;
+                        self.elements(drawn, round.path_elements(ROUND).map(|el| to * el), true)
                     }
-                    None => self.skipped.add(&format!("{name} without a size")),
+                    None => {
+                        self.skipped.add(&format!("{name} without a size"));
+                        Ok(())
+                    }
                 }
             }
-            _ => return Ok(false),
+            // No shape: the caller knows them.
+            _ => Ok(()),
         }
-        Ok(true)
     }
 
     fn rect(&mut self, drawn: &Drawn) -> Result<(), Wrong> {
@@ -144,7 +148,8 @@ impl Reader<'_> {
     /// The `points` of a polyline or a polygon.
     fn list(&mut self, drawn: &Drawn, closed: bool) -> Result<(), Wrong> {
         let name = drawn.node.tag_name().name();
-        let attribute = drawn.node.attribute_node("points").filter(|list| !list.value().trim().is_empty());
+        let attribute =
+            drawn.node.attribute_node("points").filter(|list| !matches!(list.value().trim(), "" | "none"));
         let Some(attribute) = attribute else {
             self.skipped.add(&format!("{name} without points"));
             return Ok(());

@@ -33,6 +33,7 @@ impl<'a> Sheet<'a> {
         let mut sheet = StyleSheet::new();
         for node in document.descendants().filter(|node| node.tag_name().name() == "style") {
             let css = node.attribute("type").is_none_or(|ty| ty.trim().eq_ignore_ascii_case("text/css"));
+            let css = css && node.attribute("media").is_none_or(is_of_screens);
             for text in node.children().filter_map(|child| child.text()).filter(|_| css) {
                 sheet.parse_more(text);
             }
@@ -61,6 +62,17 @@ impl<'a> Sheet<'a> {
         said.sort_by_key(|declared| declared.important);
         Style(said)
     }
+}
+
+/// Whether a list of media holds for a screen of which nothing else is known.
+fn is_of_screens(media: &str) -> bool {
+    let one = |query: &str| match query.trim().to_ascii_lowercase().split_whitespace().collect::<Vec<_>>()[..]
+    {
+        [] | ["all" | "screen"] | ["only", "all" | "screen"] => true,
+        ["not", medium] => !matches!(medium, "all" | "screen"),
+        _ => false,
+    };
+    media.split(',').any(one)
 }
 
 fn is_looked_at(declaration: &Declaration) -> bool {

@@ -32,30 +32,37 @@ pub fn of_element<'a>(node: &Node<'a, 'a>, style: &Style<'a>, viewport: Viewport
         }
         (None, None) => return Ok(Affine::IDENTITY),
     };
+    if transform == Affine::IDENTITY {
+        return Ok(transform);
+    }
     let origin = origin(node, style, viewport)?;
     Ok(Affine::translate(origin) * transform * Affine::translate(-origin))
 }
 
 /// The point that stays, which is the origin where nothing is said.
 fn origin<'a>(node: &Node<'a, 'a>, style: &Style<'a>, viewport: Viewport) -> Result<Vec2, Wrong> {
-    const HELP: &str = "it is not read unless it is two lengths: apply the transform in the editor";
-    let refuse = |name: &str| match (style.css(name), node.attribute_node(name)) {
-        (Some(declared), _) => of_css(&declared, name, HELP),
-        (None, Some(attribute)) => of_attribute(&attribute, HELP),
+    const BOX: &str = "only view-box is read: apply the transform in the editor";
+    const ORIGIN: &str = "it is not read unless it is two lengths: apply the transform in the editor";
+    let refuse = |name: &str, help| match (style.css(name), node.attribute_node(name)) {
+        (Some(declared), _) => of_css(&declared, name, help),
+        (None, Some(attribute)) => of_attribute(&attribute, help),
         (None, None) => {
             let (name, found) = (name.to_string(), String::new());
-            Wrong { offset: node.range().start, problem: Problem::Attribute { name, found, help: HELP } }
+            Wrong { offset: node.range().start, problem: Problem::Attribute { name, found, help } }
         }
     };
-    let Some(value) = style.keyword(node, "transform-origin") else { return Ok(Vec2::ZERO) };
-    if style.keyword(node, "transform-box").is_some_and(|value| value != "view-box") {
-        return Err(refuse("transform-box"));
+    // Where nobody names a point, it is a corner of the box.
+    let box_of = style.keyword(node, "transform-box");
+    if box_of.is_some_and(|value| !["view-box", "initial", ""].iter().any(|b| value.eq_ignore_ascii_case(b)))
+    {
+        return Err(refuse("transform-box", BOX));
     }
-    let origin = TransformOrigin::from_str(value).map_err(|_| refuse("transform-origin"))?;
+    let Some(value) = style.keyword(node, "transform-origin") else { return Ok(Vec2::ZERO) };
+    let origin = TransformOrigin::from_str(value).map_err(|_| refuse("transform-origin", ORIGIN))?;
     let offset = |axis, length_of: Length| length(length_of, viewport.map(|size| size[axis]));
     match (offset(0, origin.x_offset), offset(1, origin.y_offset)) {
         (Some(x), Some(y)) => Ok(Vec2::new(x, y)),
-        _ => Err(refuse("transform-origin")),
+        _ => Err(refuse("transform-origin", ORIGIN)),
     }
 }
 

@@ -61,6 +61,17 @@ pub fn of_number(attribute: &Attribute, error: &Error) -> Wrong {
         _ => usize::MAX,
     };
     let at = text.char_indices().nth(character).map_or(text.trim_end().len(), |(at, _)| at);
+    let number = number_at(&text[at..]);
+    let offset = place(attribute, at);
+    if number.parse::<f64>().is_ok_and(f64::is_infinite) {
+        return Wrong { offset, problem: Problem::TooLarge { found: shown(number) } };
+    }
+    // Where any other number may stand, a number is right.
+    let command = text[..at].rfind(|c: char| c.is_ascii_alphabetic() && !matches!(c, 'e' | 'E'));
+    let of_arc = command.is_some_and(|command| text[command..].starts_with(['a', 'A']));
+    if attribute.name() == "d" && of_arc && !number.is_empty() && !matches!(error, Error::InvalidNumber(_)) {
+        return Wrong { offset, problem: Problem::ArcFlag { found: shown(number) } };
+    }
     let word = text[at..].split(|c: char| c.is_whitespace() || c == ',').next().unwrap_or_default();
     let found =
         if word.is_empty() { "the end of the value".to_string() } else { format!("`{}`", shown(word)) };
@@ -68,7 +79,21 @@ pub fn of_number(attribute: &Attribute, error: &Error) -> Wrong {
         "d" => Problem::PathData { found },
         _ => Problem::PointList { found },
     };
-    Wrong { offset: place(attribute, at), problem }
+    Wrong { offset, problem }
+}
+
+/// The number that a text begins with; empty if it begins with none.
+fn number_at(text: &str) -> &str {
+    let digits = |at: usize| at + text[at..].bytes().take_while(u8::is_ascii_digit).count();
+    let sign = |at: usize| at + usize::from(text[at..].starts_with(['+', '-']));
+    let whole = digits(sign(0));
+    let end = if text[whole..].starts_with('.') { digits(whole + 1) } else { whole };
+    if !text[..end].contains(|c: char| c.is_ascii_digit()) {
+        return "";
+    }
+    let exponent = if text[end..].starts_with(['e', 'E']) { sign(end + 1) } else { end };
+    let behind = digits(exponent);
+    &text[..if behind > exponent { behind } else { end }]
 }
 
 /// Where item `n` of a list ends: the shortest beginning of the text that holds more than `n` whole ones.
