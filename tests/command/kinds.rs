@@ -99,7 +99,11 @@ fn flags_belong_to_kinds() {
         .fails(2, &["--bspline is for patches, and id is a system of curves"]);
     for (file, out, says) in [
         ("c.burgeon", "a.glb", "curves are written as .svg, .png, .obj, .csv or .json"),
-        ("quarters.burgeon", "a.svg", "patches are written as .bpt, .bv, .json, .obj, .ply, .glb, .stl or .png"),
+        (
+            "quarters.burgeon",
+            "a.svg",
+            "patches are written as .bpt, .bv, .json, .obj, .ply, .glb, .stl or .png",
+        ),
     ] {
         folder.run_in_vain(&["run", file, "--out", out]).fails(2, &[says]);
     }
