@@ -875,3 +875,19 @@ fn many_errors_are_found_quickly() {
     println!("4,096 errors in {took:?}");
     assert!(took.as_secs() < 20);
 }
+
+#[test]
+fn points_without_a_place_get_the_two_ways_to_write_them() {
+    for (modules, axiom, hints) in [
+        ("P(v: vec2)", "P", &["write `P(_) = file \"x.svg\"`", "or `axiom: file \"x.svg\"` alone"][..]),
+        ("Q(n: int, v: vec2)", "Q", &["write `Q(0, _) = file \"x.svg\"`, with `_` for the point"]),
+        ("Q(n: int)", "Q", &["`module Q(v: vec2)`"]),
+    ] {
+        let checked =
+            checked(&format!("system s : curve\nmodule {modules}\naxiom: {axiom} = file \"x.svg\"\n"));
+        let [error] = checked.diagnostics.as_slice() else { panic!("{:?}", checked.diagnostics) };
+        let hint = error.hint.clone().unwrap_or_default();
+        assert!(error.code == "E0267" && hints.iter().all(|h| hint.contains(h)), "{error:?}");
+        assert_eq!(hint.contains("alone"), hints.len() > 1, "{hint}");
+    }
+}

@@ -22,12 +22,31 @@ const UNTIL_TERMINAL: &[(&str, Option<&str>)] = &[
     ("P ->(1) [ P | P ] ->(0 - k) eps", Some("P ->(1) [ P | P ] ->(0 - k) eps")),
     ("P : level < 5 -> [ P | P ]\n  P : level >= 5 -> [ P ; P ]", Some("P : level < 5 -> [ P | P ]")),
     ("P : level == 5 -> [ P | P ]\n  P : 5 != level -> [ P ; P ]", Some("P : level == 5 -> [ P | P ]")),
+    ("P : level < 5 || level >= 5 -> [ P | P ]", Some("P : level < 5")),
+    ("P : level % 2 == 0 || level % 2 != 0 -> [ P | P ]", Some("P : level % 2")),
+    ("P : level < 5 -> [ P | P ]\n  P : level > 4 -> [ P ; P ]", Some("P : level < 5 -> [ P | P ]")),
+    ("P : !(k > level && level > 3) || level >= 4 -> [ P | P ]", Some("P : !(k")),
+    ("P : level < 9 && level < 3 -> [ P | P ]\n  P : level >= 3 -> [ P ; P ]", Some("P : level < 9")),
+    (
+        "P : level < 3 -> [ P | P ]\n  P : level > 5 -> [ P ; P ]\n  P : 2 < level && 6 > level -> [ P ; P ]",
+        Some("P : level < 3"),
+    ),
+    ("P : level >= 0 -> [ P | P ]", Some("P : level >= 0")),
+    ("P : rand() < 2 -> [ P | P ]", Some("P : rand() < 2")),
+    ("P let r = rand(1, 3) : r > 0.5 -> [ P | P ]", Some("P let r")),
+    ("P : rand() < 0 -> eps\n  P -> [ P | P ]", Some("P -> [ P | P ]")),
+    ("P : flatness == 1 || flatness != 1 -> [ P | P ]", Some("P : flatness")),
+    ("P : level < 1 -> [ P | P ]\n  P let x = 0 : level >= x -> [ P ; P ]", Some("P : level < 1")),
     ("N(true) -> [ N(false) | N(true) ]\n  N(false) -> [ N(true) | P ]\n  P -> N(true)", Some("N(")),
     // Some of these may end, whatever the others do; or what goes on does not grow.
     ("P : flatness > 0.1 -> [ P | P ]", None),
     ("P : rand() < 0.5 -> [ P | P ]\n  P : rand() >= 0.5 -> [ P ; P ]", None),
     ("P : flatness < 0.1 -> [ P | P ]\n  P : flatness >= 0.1 -> [ P ; P ]", None),
-    ("P let x = 1 : level < x -> [ P | P ]\n  P let x = 0 : level >= x -> [ P ; P ]", None),
+    ("P : level < 5 || level > 5 -> [ P | P ]", None),
+    ("P : level < 5 -> [ P | P ]\n  P : level > 5 -> [ P ; P ]", None),
+    ("P : rand() < 1 - 1e-7 -> [ P | P ]", None),
+    ("P : flatness < 0.1 || flatness >= 0.1 -> [ P | P ]", None),
+    ("P let x = 1 : level < x -> [ P | P ]\n  P let x = 3 : level >= x -> [ P ; P ]", None),
     ("P ->(1) [ P | P ] ->(1) Q", None),
     ("P -> [ Q | Q ]", None),
     ("P : flatness < 0.1 -> eps\n  P -> [ P | P ]", None),
@@ -103,4 +122,74 @@ fn slow_growth_without_end_is_refused_too() {
         }
     }
     assert_eq!(refusal("derive 1 with first\n  derive until terminal max 100").expect("it fits"), 5051);
+}
+
+/// In a word of one symbol what a rule looks for stands everywhere but at the ends.
+#[test]
+fn rules_that_look_around_are_refused_where_one_symbol_stands_alone() {
+    let ends = |topology: &str, axiom: &str, rules: &str| {
+        let text = format!(
+            "system s : curve{topology}\nmodule A(x: int), B\naxiom: {axiom}\nrules:\n  {rules}\nrun:\n  derive until \
+             terminal max 20\n"
+        );
+        let system = System::parse(&text).unwrap_or_else(|e| panic!("{e:?}\n{text}"));
+        let axiom = curve::Axiom::load(&system, &mut |_| Err("no files")).expect("an axiom");
+        let plan = Plan::new(&system).expect("it is derived");
+        let module = plan.tables.layout.module_bytes();
+        match cpu::derive(&plan, &axiom, &Options { max_bytes: 1000 * module, ..Options::default() }, 1) {
+            Err(plan::Error::Endless { symbol, .. }) => {
+                assert_eq!(symbol, "A");
+                false
+            }
+            Err(plan::Error::Memory { .. }) | Ok(_) => true,
+            Err(error) => panic!("{error}\n{text}"),
+        }
+    };
+    let two = "A(1) A(2)";
+    for (topology, axiom, rules) in [
+        (" ring", two, "A(a) A(b) -> A(a) A(b) A(a) A(b)"),
+        ("", two, "A(a) A(b) -> A(a) A(b) A(a) A(b)"),
+        ("", "A(1) A(2) A(3)", "A(a) A(b) : a < b || a >= b -> A(a) A(b) A(a)  A(a)\n  A(a) -> A(a) A(a)"),
+        ("", two, "A(a) < A(b) -> A(a) A(b)"),
+        (" ring", two, "A(a) < A(b) -> A(a) A(b)"),
+        ("", "A(1) A(2) A(3)", "A(a) < A(b) > A(c) -> A(a) A(b) A(c)"),
+    ] {
+        assert!(!ends(topology, axiom, rules), "{axiom}, {rules}");
+    }
+    for (topology, axiom, rules) in [
+        ("", "A(1)", "A(a) A(b) -> A(a) A(b) A(a) A(b)"),
+        ("", "A(1) B A(2)", "A(a) A(b) -> A(a) A(b) A(a) A(b)"),
+        ("", two, "A(a) A(b) -> A(a) B A(b)"),
+        ("", two, "A(a) A(b) : a < b -> A(a) A(b) A(a) A(b)"),
+        ("", two, "A(a) < A(b) > # -> A(a) A(b)"),
+        ("", two, "B < A(b) -> A(b) A(b)"),
+        ("", two, "A(a) < A(b) -> A(a) A(b)\n  A(a) -> eps"),
+    ] {
+        assert!(ends(topology, axiom, rules), "{axiom}, {rules}");
+    }
+}
+
+/// Growth or not: `check` warns of what makes all its steps with any params.
+#[test]
+fn what_makes_all_its_steps_is_known_before() {
+    for (rules, named) in [
+        ("A -> A B\n  B -> B", Some("A -> A B")),
+        ("A -> B\n  B -> A", Some("B -> A")),
+        ("A -> C B\n  C : 1 < 2 -> C B", Some("C : 1 < 2 -> C B")),
+        ("A -> A", None),
+        ("A -> B", None),
+        ("A : k > 0 -> A B", None),
+        ("A -> A B\n  A A -> B", None),
+        ("A A -> B\n  A -> A B", None),
+        ("A ->(1) A B ->(1) B", None),
+    ] {
+        let text = format!(
+            "system s : curve\nparam k = 1\nmodule A, B, C\naxiom: B A\nrules:\n  {rules}\nrun:\n  derive until \
+             terminal max 9\n"
+        );
+        let system = System::parse(&text).unwrap_or_else(|e| panic!("{e:?}\n{text}"));
+        let found = Plan::new(&system).expect("it is derived").without_end();
+        let found = found.map(|(rule, derive)| (&text[rule.range()], &text[derive.range()]));
+        assert_eq!(found, named.map(|rule| (rule, "derive until terminal max 9")), "{text}");
+    }
 }

@@ -53,6 +53,12 @@ pub fn run(flags: &flags::Run, loaded: Loaded, start: Instant) -> Result<(), Fai
     let failures = output::each(&targets, write)?;
     bar.clear();
     super::joined(failures)?;
+    if targets.iter().any(|target| DRAWINGS.contains(&target.format))
+        && derived.words.iter().all(|word| word.modules.is_empty())
+        && !may_hold_points(&job)
+    {
+        super::say("note: the word is empty, and was never traced: nothing is drawn");
+    }
     if flags.stats {
         return output::report(&targets, &derived.stats(several.is_some(), start).to_string());
     }
@@ -69,24 +75,36 @@ fn has_no_point(word: &Word) -> bool {
     !word.modules.is_empty() && word.modules.iter().all(|module| module.position().is_none())
 }
 
+/// Whether the run has a `trace`, or a module that holds a point: then what is drawn was not forgotten.
+fn may_hold_points(job: &Job) -> bool {
+    let system = &job.plan.system;
+    trace(&system.run).is_some() || system.symbols.iter().any(is_point)
+}
+
+/// The first `trace` of a run.
+fn trace(steps: &[Step]) -> Option<Span> {
+    steps.iter().find_map(|step| match &step.kind {
+        StepKind::Trace { .. } => Some(step.span),
+        StepKind::Repeat { body, .. } | StepKind::If { body, .. } => trace(body),
+        _ => None,
+    })
+}
+
+fn is_point(symbol: &Symbol) -> bool {
+    symbol.fields.iter().any(|f| matches!(f.ty, Type::Vec2 | Type::Vec3))
+}
+
 /// That a word of symbols alone is to be drawn.
 fn untraced(job: &Job, path: &Path) -> Failure {
-    fn trace(steps: &[Step]) -> Option<Span> {
-        steps.iter().find_map(|step| match &step.kind {
-            StepKind::Trace { .. } => Some(step.span),
-            StepKind::Repeat { body, .. } | StepKind::If { body, .. } => trace(body),
-            _ => None,
-        })
-    }
     let system = &job.plan.system;
-    let message = format!("the word has no point that {} could show: it was never traced", path.display());
+    let message =
+        format!("the word has no point that {} could show: it was never traced", output::shown(path));
     let last = system.run.last().map_or(system.source.name.span, |step| step.span);
     let error = Diagnostic::error("E0408", last, message);
     if let Some(trace) = trace(&system.run) {
         return job.error(error.label(trace, "the run did not come to this step"));
     }
-    let is_point = |symbol: &&Symbol| symbol.fields.iter().any(|f| matches!(f.ty, Type::Vec2 | Type::Vec3));
-    let hint = match system.symbols.iter().find(is_point) {
+    let hint = match system.symbols.iter().find(|symbol| is_point(symbol)) {
         Some(point) => format!("write `trace into {}` as the last step of `run:`", point.name),
         None => "write `trace into P` as the last step of `run:`, and declare the point: `module P(v: vec2)`"
             .into(),

@@ -163,7 +163,7 @@ pub struct Fineness {
     #[arg(long, value_name = "D", allow_negative_numbers = true, value_parser = depth())]
     pub min_depth: Option<u32>,
     /// Halve each patch of that mesh, each way, no more often than this, whatever the tolerance
-    /// [default: 12]
+    /// [default: 12, or --min-depth where that is more]
     #[arg(long, value_name = "D", allow_negative_numbers = true, value_parser = depth())]
     pub max_depth: Option<u32>,
 }

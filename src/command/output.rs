@@ -89,6 +89,9 @@ pub fn targets(paths: &[PathBuf], stdout: Option<Format>, content: &Content) -> 
         }
         _ => {}
     }
+    if let Some(n) = (1..paths.len()).find(|&n| paths[..n].contains(&paths[n])) {
+        return Err(usage(format!("--out {} is given twice", paths[n].display())));
+    }
     let target = |path: &PathBuf| {
         let is_stdout = path == Path::new(STDOUT);
         let format = match is_stdout {
@@ -297,7 +300,7 @@ pub fn file(
 }
 
 /// A target as messages name it.
-fn shown(path: &Path) -> String {
+pub fn shown(path: &Path) -> String {
     if path == Path::new(STDOUT) { "the standard output".to_string() } else { path.display().to_string() }
 }
 

@@ -17,7 +17,8 @@ pub fn check(flags: &flags::Check) -> Result<(), Failure> {
     let mut failures = Vec::new();
     let mut lines = Vec::new();
     for system in &source.checked.systems {
-        match compiled(&source, system) {
+        let made = compiled(&source, system, &mut list);
+        match made {
             Ok(note) => lines.push(format!("{}: {note}\n{}", system.name, params(system))),
             Err(Wrong::Rules(d)) => list.push(d),
             Err(Wrong::Other(failure)) => failures.push(failure),
@@ -42,11 +43,18 @@ enum Wrong {
 }
 
 /// Compiles what is derived, and says what is not; then whether the axiom's files fit.
-fn compiled(source: &Source, system: &System) -> Result<String, Wrong> {
+fn compiled(source: &Source, system: &System, warnings: &mut Vec<Diagnostic>) -> Result<String, Wrong> {
     let plan = match Plan::new(system) {
         Ok(plan) => plan,
         Err(e) => return Ok(format!("checked; {e}, line {}", source.line(e.span))),
     };
+    if let Some((rule, derive)) = plan.without_end() {
+        let warning =
+            Diagnostic::warning("W0401", rule, "this rule always fires, so that no word is ever terminal");
+        warnings.push(warning.label(derive, "this makes as many steps as `max` says").hint(
+            "write `derive n` for n steps, or a condition that ends the rule, as in `A(n) : n > 0 -> …`",
+        ));
+    }
     for id in stages(&plan) {
         if let Err(e) = codegen::stage(&plan, id, &Tuning::GPU) {
             let span = e.rule.unwrap_or(system.source.name.span);

@@ -263,10 +263,51 @@ fn on_gpu(work: &Work, device: &Device, bar: &Bar) -> Result<Complete, String> {
     });
     made.map_err(|e| match e {
         Error::Binding { .. } => {
-            format!("{e}\nhelp: take a larger --tolerance, a lower --max-depth, or --backend cpu")
+            // What no backend can count, the other one cannot either.
+            let depths = Depths::of(work);
+            let (help, other) = match depths.forced > cpu::MOST_NODES {
+                true => (depths.coarser(cpu::MOST_NODES), ""),
+                false => (depths.coarser(u64::MAX), ", or --backend cpu"),
+            };
+            format!("{e}\nhelp: {help}{other}")
         }
         e => e.to_string(),
     })
+}
+
+/// The bytes that a mesh may take.
+fn memory(machine: &flags::Machine) -> u64 {
+    machine.max_memory.unwrap_or_else(load::half_of_memory)
+}
+
+/// What makes a mesh coarser.
+#[derive(Clone, Copy)]
+struct Depths {
+    least: u32,
+    most: u32,
+    /// The cells that the least makes, whatever the tolerance.
+    forced: u64,
+}
+
+impl Depths {
+    fn of(work: &Work) -> Depths {
+        let (least, most) = (*work.level.depth.start(), *work.level.depth.end());
+        // Each root is halved both ways so many times.
+        let leaves = 1u64 << (2 * least);
+        let forced = (leaves + (leaves - 1) / 3).saturating_mul(work.nets.len() as u64);
+        Depths { least, most, forced }
+    }
+
+    /// What makes fewer cells, where these are too many: no tolerance helps against halvings that are asked for.
+    fn coarser(self, cells: u64) -> &'static str {
+        match self {
+            Depths { least: 1.., forced, .. } if forced > cells => "take a lower --min-depth",
+            Depths { least: least @ 1.., most, .. } if least == most => {
+                "take a larger --tolerance or a lower --min-depth"
+            }
+            _ => "take a larger --tolerance or a lower --max-depth",
+        }
+    }
 }
 
 fn on_cpu(work: &Work, machine: &flags::Machine, bar: &Bar) -> Result<Complete, String> {
@@ -283,23 +324,22 @@ fn on_cpu(work: &Work, machine: &flags::Machine, bar: &Bar) -> Result<Complete, 
     if let Some((plan, options)) = work.placement {
         tessellator.displace(plan, options).map_err(|e| e.to_string())?;
     }
-    let level = work.level;
+    let (level, depths) = (work.level, Depths::of(work));
     threads.install(|| {
         let target = level.target().map_err(|e| e.to_string())?;
-        let budget = machine.max_memory.unwrap_or_else(load::half_of_memory);
+        let budget = memory(machine);
         tessellator.run_within(&target, budget, &stop::STOP).map_err(|e| match e {
             cpu::Error::Memory { nodes, budget } => {
+                let help = depths.coarser(budget / cpu::BYTES_A_NODE);
                 let (needed, budget) = (load::size(nodes * cpu::BYTES_A_NODE), load::size(budget));
                 let cells = counted(nodes, "cell");
                 let what = format!("a mesh of {cells} needs about {needed}; the memory budget is {budget}");
-                format!(
-                    "{what}\nhelp: take a larger --tolerance or a lower --max-depth, or raise --max-memory"
-                )
+                format!("{what}\nhelp: {help}, or raise --max-memory")
             }
             cpu::Error::Nodes { nodes } => {
                 let (cells, most) = (counted(nodes, "cell"), counted(cpu::MOST_NODES, "cell"));
                 let what = format!("a mesh of {cells} has more triangles than can be counted; {most} may be");
-                format!("{what}\nhelp: take a larger --tolerance or a lower --max-depth")
+                format!("{what}\nhelp: {}", depths.coarser(cpu::MOST_NODES))
             }
             cpu::Error::Stopped => "stopped by Ctrl-C".to_string(),
             e @ cpu::Error::Points { .. } => e.to_string(),
@@ -370,5 +410,41 @@ fn say_how_they_meet(topology: &Topology, bar: &Bar) {
             let meet = agreeing(n, "side meets half of another", "sides meet halves of others");
             note(format!("{n} more {meet}"));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn depth(min: Option<u32>, max: Option<u32>) -> Option<std::ops::RangeInclusive<u32>> {
+        let tolerance = Some(Tolerance::World(0.01));
+        let fineness = flags::Fineness { tolerance, min_depth: min, max_depth: max };
+        let view = flags::View { eye: None, look_at: None, angle: 40.0, pixels: [1280.0, 720.0] };
+        level(&fineness, &view, flags::Up::Y, &[]).ok().map(|level| level.depth)
+    }
+
+    #[test]
+    fn the_greatest_depth_follows_the_least_that_is_given() {
+        assert_eq!(depth(None, None), Some(0..=12));
+        assert_eq!(depth(Some(12), None), Some(12..=12));
+        assert_eq!(depth(Some(13), None), Some(13..=13));
+        assert_eq!(depth(Some(MAX_DEPTH), None), Some(MAX_DEPTH..=MAX_DEPTH));
+        assert_eq!(depth(Some(2), Some(3)), Some(2..=3));
+        assert_eq!(depth(Some(13), Some(12)), None);
+    }
+
+    #[test]
+    fn what_is_advised_helps() {
+        let nets = [Net { degree: [1, 1], points: Vec::new() }];
+        let advice = |depth: std::ops::RangeInclusive<u32>, most| {
+            let level = Level { depth, ..Level::world(0.01) };
+            Depths::of(&Work { nets: &nets, word: None, placement: None, level: &level }).coarser(most)
+        };
+        assert_eq!(advice(0..=12, 100), "take a larger --tolerance or a lower --max-depth");
+        assert_eq!(advice(3..=12, 85), "take a larger --tolerance or a lower --max-depth");
+        assert_eq!(advice(3..=12, 84), "take a lower --min-depth");
+        assert_eq!(advice(MAX_DEPTH..=MAX_DEPTH, 1 << 28), "take a lower --min-depth");
+        assert_eq!(advice(13..=13, u64::MAX), "take a larger --tolerance or a lower --min-depth");
     }
 }

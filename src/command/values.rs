@@ -3,6 +3,7 @@
 use super::flags::Tolerance;
 use burgeon::language::Value;
 use burgeon::tessellate::lattice::MAX_DEPTH;
+use burgeon::tessellate::level::LEAST_TOLERANCE;
 use std::path::PathBuf;
 
 pub fn tolerance(text: &str) -> Result<Tolerance, String> {
@@ -12,8 +13,23 @@ pub fn tolerance(text: &str) -> Result<Tolerance, String> {
     };
     match number.parse::<f32>() {
         Ok(x) if x > 0.0 && x.is_finite() => Ok(unit(x)),
+        // What is above 0 as it is written.
+        Ok(_) if number.parse::<f64>().is_ok_and(|x| x > 0.0 && x < 1.0) || is_tiny(number) => {
+            Err(format!("too small for single precision; the least is {LEAST_TOLERANCE:e}"))
+        }
+        Ok(_) if number.parse::<f64>().is_ok_and(|x| x > 1.0 && x.is_finite()) => {
+            Err(format!("too large for single precision; the most is {:e}", f32::MAX))
+        }
         _ => Err("write a number above 0, as in 0.01 (units of the model) or 0.5px (pixels)".to_string()),
     }
+}
+
+/// A number above 0 that even double precision has as 0.
+fn is_tiny(number: &str) -> bool {
+    let digits = number.split(['e', 'E']).next().unwrap_or_default();
+    !number.starts_with('-')
+        && digits.contains(|c: char| c.is_ascii_digit() && c != '0')
+        && number.parse() == Ok(0.0f64)
 }
 
 pub fn depth() -> clap::builder::RangedI64ValueParser<u32> {
@@ -68,6 +84,11 @@ pub fn binding(text: &str) -> Result<(String, PathBuf), String> {
 }
 
 pub fn point(text: &str) -> Result<[f32; 3], String> {
+    let parts = text.trim().trim_start_matches('(').trim_end_matches(')').split(',');
+    let parts: Vec<f32> = parts.map_while(|part| part.trim().parse().ok()).collect();
+    if parts.len() == 3 && parts.iter().any(|x| !x.is_finite()) {
+        return Err("the coordinates of a point must be finite numbers of single precision".to_string());
+    }
     match number(text)? {
         Value::Vec3(point) => Ok(point),
         _ => Err(format!("`{text}` is no point; write three numbers, as in 0,1.5,4")),

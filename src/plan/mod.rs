@@ -17,6 +17,7 @@ pub mod layout;
 pub mod links;
 pub mod measure;
 pub mod placement;
+mod ranges;
 pub mod schedule;
 pub mod size;
 pub mod start;
@@ -27,7 +28,7 @@ pub mod turns;
 pub mod turtle;
 
 use crate::language::expr::Value;
-use crate::language::system::{Kind, System, Topology, UniformKind};
+use crate::language::system::{Axiom, CurveStart, Kind, System, Topology, UniformKind};
 use crate::language::{Span, Type, eval};
 use std::sync::Arc;
 
@@ -153,6 +154,26 @@ impl Plan {
     /// What a backend begins with. Where a const has no value with these, the derivation says so that binds them.
     pub(crate) fn defaults(&self) -> Vec<Value> {
         self.uniforms(&[]).unwrap_or_default()
+    }
+
+    /// A `derive until terminal` that begins the run and makes all its steps, whatever the params are: the rule that
+    /// fires in each of them, and the derive.
+    pub fn without_end(&self) -> Option<(Span, Span)> {
+        let first = schedule::unroll(self, &self.defaults()).ok()?.into_iter().next()?;
+        let axiom: Vec<usize> = match &self.system.axiom {
+            Axiom::Patches(starts) => starts.iter().map(|start| start.symbol).collect(),
+            Axiom::Curve(starts) => starts
+                .iter()
+                .flat_map(|start| match start {
+                    CurveStart::Word(word) => word.modules.iter().map(|module| module.symbol).collect(),
+                    CurveStart::Points { symbol, .. } => vec![*symbol],
+                    CurveStart::System { .. } => Vec::new(),
+                })
+                .collect(),
+            Axiom::None | Axiom::Other => Vec::new(),
+        };
+        let rule = size::without_end(&self.tables, first.rule_set, &axiom)?;
+        (first.until_terminal && first.count > 0).then_some((rule, first.span))
     }
 
     /// What a derivation with these params runs with; without a seed of its own the one that the params say.

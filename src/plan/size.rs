@@ -9,6 +9,7 @@
 //! well go on keeping every module, and that is one of the ways of which it is the least.
 
 use super::certain::{Certain, Fires};
+use super::context::Place;
 use super::schedule::Derive;
 use super::tables::{MatchRule, RuleSet, Tables};
 use crate::language::Span;
@@ -77,11 +78,164 @@ pub struct Endless {
     pub derive: Derive,
 }
 
+/// A rule that fires in every step of a derive, whatever the params are, if the word before it holds one of these symbols;
+/// it need not grow.
+pub fn without_end(tables: &Tables, rule_set: usize, axiom: &[usize]) -> Option<Span> {
+    let outcomes = Outcomes::new(tables, &tables.rule_sets[rule_set], &[]);
+    // Symbols of which in each step one is left that fires in the next; those that may not be so fall out.
+    let mut lasting = vec![true; tables.symbols.len()];
+    loop {
+        let lasts = |outcome: &Outcome| outcome.fires && outcome.children.iter().any(|&child| lasting[child]);
+        let rest: Vec<bool> =
+            outcomes.of.iter().zip(&lasting).map(|(list, &was)| was && list.iter().all(lasts)).collect();
+        if rest == lasting {
+            break;
+        }
+        lasting = rest;
+    }
+    let mut symbol = axiom.iter().copied().find(|&symbol| lasting[symbol])?;
+    // From one to the next, until one comes again.
+    let mut met = vec![false; lasting.len()];
+    while !std::mem::replace(&mut met[symbol], true) {
+        let first = outcomes.of[symbol].first()?;
+        symbol = first.children.iter().copied().find(|&child| lasting[child])?;
+    }
+    outcomes.of[symbol].first()?.rule
+}
+
 /// How many outcomes and children are looked at before nothing is said to be sure.
 const MOST_WORK: u64 = 1 << 25;
 
 /// The first step of a schedule after which the word is sure to have more modules than `limit`.
 pub fn excess(
+    tables: &Tables,
+    uniforms: &[Value],
+    axiom: &[u64],
+    schedule: &[Derive],
+    most_steps: u64,
+    limit: u64,
+) -> Option<Excess> {
+    by_symbols(tables, uniforms, axiom, schedule, most_steps, limit)
+        .or_else(|| of_one_symbol(tables, uniforms, axiom, schedule, most_steps, limit))
+}
+
+/// Where the word never holds more than one symbol, rules that look around fire nearly everywhere.
+fn of_one_symbol(
+    tables: &Tables,
+    uniforms: &[Value],
+    axiom: &[u64],
+    schedule: &[Derive],
+    most_steps: u64,
+    limit: u64,
+) -> Option<Excess> {
+    let mut present = (0..axiom.len()).filter(|&symbol| axiom[symbol] > 0);
+    let (Some(symbol), None) = (present.next(), present.next()) else { return None };
+    let (mut modules, mut step, mut work) = (axiom[symbol], 0, 0);
+    for derive in schedule {
+        let alone = Alone::new(symbol, tables, &tables.rule_sets[derive.rule_set], uniforms)?;
+        let end = (step + u64::from(derive.count)).min(most_steps);
+        let start = step;
+        while step < end {
+            let after = alone.after(modules);
+            // Where nothing is sure to fire, it may end.
+            if after == modules {
+                step = end;
+                break;
+            }
+            (modules, step, work) = (after, step + 1, work + 1);
+            if modules > limit {
+                let endless = Endless { symbol, rule: alone.rule, derive: *derive };
+                let endless = derive.until_terminal.then_some(endless);
+                let step = if endless.is_some() { step - start } else { step };
+                return Some(Excess { step, modules, endless });
+            }
+            if work > MOST_WORK {
+                return None;
+            }
+        }
+    }
+    None
+}
+
+/// The rule that a word of one symbol alone is sure to be rewritten by.
+struct Alone {
+    rule: Span,
+    /// Modules that it replaces, and the least that come of them, which are no fewer.
+    length: u64,
+    children: u64,
+    /// Modules at the ends of the word that it may not fire on, as what it looks for may be missing there.
+    ends: u64,
+    /// What is sure to come of one that it does not fire on, 1 at most.
+    left: u64,
+}
+
+impl Alone {
+    fn new(symbol: usize, tables: &Tables, set: &RuleSet, uniforms: &[Value]) -> Option<Alone> {
+        let layout = &tables.layout;
+        // Where words have branches, or are several, what comes next in the word is not always what stands beside it.
+        if !layout.is_curve() || layout.link.is_some() || layout.word.is_some() {
+            return None;
+        }
+        let stage = set.stages.first()?;
+        let mut found: Option<Alone> = None;
+        for &id in &stage.by_symbol[symbol] {
+            let rule = &stage.rules[id];
+            let certain = Certain::new(rule, uniforms);
+            if certain.fires(&[]) == Fires::Never {
+                continue;
+            }
+            let mut children = u64::MAX;
+            for (n, production) in stage.productions[rule.productions.clone()].iter().enumerate() {
+                if production.cells.iter().flatten().any(|cell| cell.symbol != symbol || cell.hang.lateral) {
+                    return None;
+                }
+                if !certain.is_never_drawn(n) {
+                    children = children.min(u64::from(production.count()));
+                }
+            }
+            match &mut found {
+                Some(alone) => alone.left = alone.left.min(children),
+                None => {
+                    let length = 1 + rule.others.len() as u64;
+                    let same = rule.others.iter().all(|&other| other == symbol);
+                    let ends = ends(rule, symbol)?;
+                    if !same || !certain.holds_in_place() || children < length {
+                        return None;
+                    }
+                    found = Some(Alone { rule: rule.span, length, children, ends, left: 1 });
+                }
+            }
+        }
+        found
+    }
+
+    /// The least that comes of so many modules, and of more.
+    fn after(&self, modules: u64) -> u64 {
+        let fires = modules.saturating_sub(self.ends) / self.length;
+        let left = (modules - fires * self.length) * self.left;
+        fires.saturating_mul(self.children).saturating_add(left)
+    }
+}
+
+/// How many modules of a word of one symbol the contexts of a rule may leave out; none where they look for another.
+fn ends(rule: &MatchRule, symbol: usize) -> Option<u64> {
+    let (mut before, mut behind) = (0, 0);
+    for near in &rule.context {
+        if near.symbol as usize != symbol {
+            return None;
+        }
+        match near.place {
+            Place::Strict(_) => {}
+            Place::Before(steps) => before = before.max(steps),
+            Place::Behind { steps, .. } => behind = behind.max(steps),
+            Place::Previous | Place::Found { .. } => return None,
+        }
+    }
+    Some(u64::from(before) + u64::from(behind))
+}
+
+/// The same, where each module is looked at by itself.
+fn by_symbols(
     tables: &Tables,
     uniforms: &[Value],
     axiom: &[u64],
@@ -182,6 +336,8 @@ struct Outcome {
     children: Vec<usize>,
     /// None where the module is kept, or claimed.
     rule: Option<Span>,
+    /// It counts as fired: a module that becomes itself may be unchanged.
+    fires: bool,
 }
 
 /// For every symbol what may come of it.
@@ -250,12 +406,16 @@ impl Outcome {
 }
 
 fn outcomes_of(symbol: usize, set: &RuleSet, uniforms: &[Value]) -> Vec<Outcome> {
-    let kept = || Outcome { children: vec![symbol], rule: None };
+    let kept = || Outcome { children: vec![symbol], rule: None, fires: false };
     let Some(first) = set.stages.first() else { return vec![kept()] };
     let mut list = Vec::new();
     // Claimed by a rule that begins before it.
     let claims = |rule: &MatchRule| rule.others.contains(&symbol);
-    list.extend(first.rules.iter().any(claims).then(|| Outcome { children: Vec::new(), rule: None }));
+    list.extend(first.rules.iter().any(claims).then(|| Outcome {
+        children: Vec::new(),
+        rule: None,
+        fires: false,
+    }));
     let mut earlier = Vec::new();
     for &id in &first.by_symbol[symbol] {
         let rule = &first.rules[id];
@@ -272,7 +432,7 @@ fn outcomes_of(symbol: usize, set: &RuleSet, uniforms: &[Value]) -> Vec<Outcome>
             for cell in production.cells.iter().flatten() {
                 resolve(set, cell.symbol, &mut children);
             }
-            list.push(Outcome { children, rule: Some(rule.span) });
+            list.push(Outcome { children, rule: Some(rule.span), fires: !production.relabels_itself() });
         }
         // Nothing behind it is ever tried; one that may leave the module unchanged has the same count either way.
         if fires == Fires::Always {

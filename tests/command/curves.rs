@@ -148,6 +148,28 @@ fn a_turtle_that_was_never_traced_is_not_drawn() {
     folder.write("t.burgeon", turtle("X, Dot(v: vec3)", "derive 3\n  trace into Dot"));
     draw("b.svg", &["--steps", "2"]).fails(1, &["t.burgeon:8:3", "the run did not come to this step"]);
     draw("b.svg", &[]).succeeds();
+    folder.write("t.burgeon", turtle("X", "derive 3"));
+    draw("-", &["--format", "svg"]).fails(1, &["no point that the standard output could show"]);
+}
+
+/// Where all is erased an empty picture may be meant; that it never could show anything is said.
+#[test]
+fn an_empty_word_that_was_never_traced_is_told_of() {
+    let folder = Folder::new();
+    let note = "the word is empty, and was never traced";
+    for (modules, run, told) in [
+        ("A", "derive 1", true),
+        ("A, P(v: vec2)", "derive 1", false),
+        ("A, P(v: vec2)", "derive 1\n  trace into P", false),
+    ] {
+        let text =
+            format!("system t : curve\nmodule {modules}\naxiom: A\nrules:\n  A -> eps\nrun:\n  {run}\n");
+        folder.write("t.burgeon", text);
+        let ran = folder.run(&["run", "t.burgeon", "--backend", "cpu", "--out", "a.svg"]);
+        assert_eq!(ran.succeeds().stderr.contains(note), told, "{modules}, {run}: {ran:?}");
+        let ran = folder.run(&["run", "t.burgeon", "--backend", "cpu", "--out", "a.json"]);
+        assert!(!ran.succeeds().stderr.contains(note), "{ran:?}");
+    }
 }
 
 /// What is read is said where it is not all that the file holds, or not as it holds it.

@@ -98,7 +98,9 @@ impl<'a> Checker<'a> {
         let fields = self.symbols[symbol].fields.clone();
         let mut scope = Scope::new(Where::Axiom);
         if args.len() != fields.len() || !args.iter().any(is_point) {
-            if args.len() != fields.len() {
+            if used.args.is_none() {
+                self.point_is_missing(start, symbol);
+            } else if args.len() != fields.len() {
                 self.module_use(&mut scope, used);
             } else {
                 let message = "`_` must stand where the point read goes";
@@ -128,6 +130,42 @@ impl<'a> Checker<'a> {
         let (points, args) = (points?, lowered.into_iter().collect::<Option<Vec<_>>>()?);
         let span = used.span.to(start.source.span);
         Some(CurveStart::Points { symbol, args, source: points.source, shift: points.shift, span })
+    }
+
+    /// `P = file "c.svg"`, for `P(_) = file "c.svg"`.
+    fn point_is_missing(&mut self, start: &'a Start, symbol: usize) {
+        let vector = |ty: &Type| matches!(ty, Type::Vec2 | Type::Vec3 | Type::Vec4);
+        let fields = &self.symbols[symbol].fields;
+        let name = &start.module.symbol.text;
+        let source = match &start.source.kind {
+            SourceKind::File(path, _) => format!("file \"{}\"", path.text),
+            SourceKind::List(_) | SourceKind::Named(..) => "…".to_string(),
+        };
+        let (message, hint) = match fields.iter().position(|field| vector(&field.ty)) {
+            None => {
+                let message = format!("`{name}` holds no point to be read");
+                (
+                    message,
+                    format!("declare one, as in `module {name}(v: vec2)`, and write `{name}(_) = {source}`"),
+                )
+            }
+            Some(point) => {
+                let arg = |(n, field): (usize, &crate::language::system::Field)| match n == point {
+                    true => "_",
+                    false => super::successor::example(&field.ty),
+                };
+                let args: Vec<&str> = fields.iter().enumerate().map(arg).collect();
+                let hint = format!("write `{name}({}) = {source}`, with `_` for the point", args.join(", "));
+                let points = self
+                    .symbols
+                    .iter()
+                    .filter(|s| matches!(s.fields.as_slice(), [field] if vector(&field.ty)));
+                let alone = fields.len() == 1 && points.count() == 1 && source != "…";
+                let hint = if alone { format!("{hint}, or `axiom: {source}` alone") } else { hint };
+                (format!("the points read have no place in `{name}`"), hint)
+            }
+        };
+        self.report(Diagnostic::error(code::AXIOM, start.module.span, message).hint(hint));
     }
 
     /// Points without a module: they become the one module that holds a vector and nothing else.
