@@ -822,3 +822,24 @@ proptest! {
         errors(&text);
     }
 }
+
+#[test]
+fn letters_of_papers_are_one_mistake_with_its_hint() {
+    let with = |rule: &str| curve(&format!("  {rule}"));
+    refused(&with("A -> λ"), code::UNKNOWN_CHARACTER, "`eps`");
+    refused(&with("A -> B é B é"), code::UNKNOWN_CHARACTER, "a to z");
+    refused("system s : curve\nmodule A\nω : A\n", code::UNKNOWN_CHARACTER, "`axiom: …`");
+    refused(&with("A (50%) -> F"), code::FOREIGN_RULE, "`->(0.5) …`");
+}
+
+#[test]
+fn a_roll_at_the_end_of_a_line_gets_a_warning() {
+    for word in ["F +(20) \\\n      F", "F \\\n  B -> C", "[ F \\\n    ] B", "F \\ // a comment"] {
+        let text = curve(&format!("  A -> {word}"));
+        refused(&text, code::ROLL_AT_END, "indented deeper");
+        assert!(!parse(&text).has_errors());
+    }
+    for word in ["F \\ F", "F \\(20)\n    F", "F [ \\ F ]\n    F"] {
+        parsed(&curve(&format!("  A -> {word}")));
+    }
+}

@@ -49,11 +49,13 @@ fn compiled(source: &Source, system: &System, warnings: &mut Vec<Diagnostic>) ->
         Err(e) => return Ok(format!("checked; {e}, line {}", source.line(e.span))),
     };
     if let Some((rule, derive)) = plan.without_end() {
-        let warning =
-            Diagnostic::warning("W0401", rule, "this rule always fires, so that no word is ever terminal");
-        warnings.push(warning.label(derive, "this makes as many steps as `max` says").hint(
-            "write `derive n` for n steps, or a condition that ends the rule, as in `A(n) : n > 0 -> …`",
-        ));
+        let message = "no word is ever terminal: this rule, or one beside it, fires in every step";
+        let warning = Diagnostic::warning("W0401", rule, message);
+        warnings.push(
+            warning
+                .label(derive, "this makes as many steps as `max` says")
+                .hint("write `derive n` for n steps, or a condition that ends it, as in `A(n) : n > 0 -> …`"),
+        );
     }
     for id in stages(&plan) {
         if let Err(e) = codegen::stage(&plan, id, &Tuning::GPU) {

@@ -72,6 +72,8 @@ pub mod code {
 
     /// A comment behind a word that is itself empty or a word: two rolls need a space.
     pub const COMMENT_LIKE_WORD: &str = "W0101";
+    /// `\` at the end of a line, which is a roll: a word goes on in a line that is indented deeper.
+    pub const ROLL_AT_END: &str = "W0102";
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -263,13 +263,18 @@ impl Lexer<'_> {
     /// A name with letters beyond ASCII: reported, then taken as a name so that nothing follows from it.
     fn foreign_name(&mut self, start: usize) {
         self.skip_while(|c| is_name_char(c) || is_foreign_letter(c));
-        let message = format!("`{}` is not a name", excerpt(&self.text[start..self.at]));
-        self.error(
-            code::UNKNOWN_CHARACTER,
-            start,
-            message,
-            "names are written with a to z, A to Z, 0 to 9 and `_`",
-        );
+        let text = &self.text[start..self.at];
+        let message = format!("`{}` is not a name", excerpt(text));
+        let hint = match text {
+            // What papers have in place of a word of the language.
+            "λ" | "Λ" | "ɛ" | "ϵ" => "the empty word is written `eps`",
+            "ω" | "Ω" => "what the system starts from is written `axiom: …`",
+            "δ" | "Δ" | "θ" => {
+                "an angle is written `const angle = 90`, and stands in brackets: `+(angle)`"
+            }
+            _ => "names are written with a to z, A to Z, 0 to 9 and `_`",
+        };
+        self.error(code::UNKNOWN_CHARACTER, start, message, hint);
         self.push(TokenKind::Name, start);
     }
 

@@ -82,12 +82,16 @@ impl<'a> Certain<'a> {
 
     /// Where all guards surely hold.
     fn all_hold(&self, term: &Term) -> Set {
-        self.rule.guards.iter().fold(Set::all(), |all, guard| all.and(&self.sure(guard, true, term)))
+        let holds = |guard| if is_long(guard) { Set::none() } else { self.sure(guard, true, term) };
+        self.rule.guards.iter().fold(Set::all(), |all, guard| all.and(&holds(guard)))
     }
 
     /// What a condition asks about; the conditions of one are looked at term by term.
     fn terms<'e>(&self, guard: &'e Expr) -> impl Iterator<Item = Term<'e>> + use<'e> {
         let mut terms: Vec<Term<'e>> = Vec::new();
+        if is_long(guard) {
+            return terms.into_iter();
+        }
         guard.walk(&mut |e| {
             let term = match &e.kind {
                 ExprKind::Call(op, args) => match (Relation::of(op.row().name), args.as_slice()) {
@@ -276,8 +280,15 @@ impl<'e> Term<'e> {
     }
 }
 
-/// So many terms of a condition are looked at.
-const MOST_TERMS: usize = 16;
+/// So many terms of a condition are looked at, and conditions of so many parts: each part is for each term.
+const MOST_TERMS: usize = 8;
+const MOST_PARTS: usize = 64;
+
+fn is_long(guard: &Expr) -> bool {
+    let mut parts = 0;
+    guard.walk(&mut |_| parts += 1);
+    parts > MOST_PARTS
+}
 
 /// So many of the rules before it are looked at: more than these nobody writes out.
 const MOST_EARLIER: usize = 16;

@@ -208,9 +208,15 @@ impl<'t> Parser<'t> {
 
     fn report(&mut self, diagnostic: Diagnostic) {
         self.failed = true;
-        if !self.silent && !self.token().suspect {
+        if !self.silent && !self.token().suspect && !self.is_foreign_name(diagnostic.span) {
             self.findings.push(diagnostic);
         }
+    }
+
+    /// A name that is none, by its letters, was reported when it was read: nothing more is to be said of it.
+    fn is_foreign_name(&self, span: Span) -> bool {
+        let token = self.token();
+        token.kind == TokenKind::Name && token.span == span && !self.text_of(token).is_ascii()
     }
 
     fn stop<T>(&mut self, diagnostic: Diagnostic) -> Parse<T> {

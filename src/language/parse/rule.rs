@@ -292,6 +292,16 @@ impl Parser<'_> {
     }
 
     fn bad_pattern<T>(&mut self) -> Parse<T> {
+        let before = self.at.checked_sub(1).map(|before| self.tokens[before]);
+        if let (TokenKind::Percent, Some(number)) = (self.peek(), before)
+            && number.kind == TokenKind::Number
+        {
+            let span = number.span.to(self.token().span);
+            let share = self.text_of(number).parse::<f64>().map_or(0.5, |percent| percent / 100.0);
+            let error =
+                Diagnostic::error(code::FOREIGN_RULE, span, "a weight does not stand in the predecessor");
+            return self.stop(error.hint(format!("write it behind the arrow: `->({share}) …`")));
+        }
         let message = format!("{} cannot stand in a pattern", self.found());
         let error = Diagnostic::error(code::BAD_PATTERN, self.token().span, message)
             .hint("a pattern holds names, numbers, `true`, `false` and `_`; test the value in the condition");

@@ -50,6 +50,7 @@ impl Parser<'_> {
         let mut word = Vec::new();
         while let Some(element) = self.element()? {
             word.push(element);
+            self.roll_at_end_of_line();
         }
         if word.is_empty() {
             let error = self.empty_word(after);
@@ -57,6 +58,23 @@ impl Parser<'_> {
         }
         self.comment_behind_word();
         Ok(word)
+    }
+
+    /// `\` at the end of a line was perhaps meant to go on in the next one.
+    fn roll_at_end_of_line(&mut self) {
+        let Some(&last) = self.at.checked_sub(1).and_then(|last| self.tokens.get(last)) else { return };
+        if self.silent || last.kind != TokenKind::Backslash || !self.is_turtle_symbol(last) {
+            return;
+        }
+        // A newline within a statement is no token.
+        let (end, next) = (last.span.end as usize, self.token());
+        let gap = &self.text[end..(next.span.start as usize).max(end)];
+        if gap.contains(['\n', '\r']) || matches!(next.kind, TokenKind::Newline | TokenKind::End) {
+            let message = "`\\` at the end of a line is a roll of the turtle";
+            let hint = "leave it out where the word goes on in the next line: that is indented deeper than its rule; \
+                        a roll that is meant is clear as `\\(90)`";
+            self.report(Diagnostic::warning(code::ROLL_AT_END, last.span, message).hint(hint));
+        }
     }
 
     /// `F // F` was perhaps meant as two rolls: warns of a comment behind a word that is empty or
