@@ -195,7 +195,7 @@ const MOST_CANDIDATES: i64 = 4;
 fn candidates(ty: &Type, arg: Known) -> Option<Vec<u32>> {
     match (arg, ty) {
         (Known::Exact(word), _) => Some(vec![word]),
-        (Known::Near { value, radius }, _) if radius == 0.0 => Some(vec![value.to_bits()]),
+        (Known::Near { value, radius: 0.0 }, _) => Some(vec![value.to_bits()]),
         (Known::Near { value, radius }, _) if radius.is_finite() => {
             Some([value, value - radius, value + radius].map(f32::to_bits).to_vec())
         }

@@ -44,7 +44,8 @@ pub(super) fn uniform(nets: &[Net], level: &Level) -> Option<Uniform> {
                 let (p, [u, w]) = (mesh.positions[v as usize], mesh.uvs[v as usize].map(f64::from));
                 (p.map(f64::from), [u, w])
             };
-            off(&nets[*root as usize], triangle.map(corner))
+            let net = &nets[*root as usize];
+            off(net, spread(net, triangle.map(corner)))
         })
         .reduce(|| 0.0, f64::max);
     let cells: Option<Vec<u32>> = nets.par_iter().map(|net| fewest(net, distance)).collect();
@@ -57,8 +58,35 @@ pub(super) fn uniform(nets: &[Net], level: &Level) -> Option<Uniform> {
     })
 }
 
+/// A corner of a triangle: where it is, and its parameters.
+type Corner = ([f64; 3], [f64; 2]);
+
+/// A vertex on a side that is a point has one place along it, and its triangles lie all along it: each takes the middle
+/// of its own part.
+fn spread(net: &Net, corners: [Corner; 3]) -> [Corner; 3] {
+    let [rows, columns] = net.degree.map(|d| usize::from(d) + 1);
+    let is_point = |k: usize, end: usize| {
+        let at = |n: usize| match k {
+            0 => net.points[end * (rows - 1) * columns + n],
+            _ => net.points[n * columns + end * (columns - 1)],
+        };
+        let place = |[x, y, z, w]: [f32; 4]| [x / w, y / w, z / w];
+        (1..if k == 0 { columns } else { rows }).all(|n| place(at(n)) == place(at(0)))
+    };
+    let mut spread = corners;
+    for (c, corner) in spread.iter_mut().enumerate() {
+        for k in 0..2 {
+            let (value, along) = (corners[c].1[k], 1 - k);
+            if (value == 0.0 && is_point(k, 0)) || (value == 1.0 && is_point(k, 1)) {
+                corner.1[along] = (corners[(c + 1) % 3].1[along] + corners[(c + 2) % 3].1[along]) * 0.5;
+            }
+        }
+    }
+    spread
+}
+
 /// How far a triangle is from the surface at the same parameters.
-fn off(net: &Net, corners: [([f64; 3], [f64; 2]); 3]) -> f64 {
+fn off(net: &Net, corners: [Corner; 3]) -> f64 {
     let mix = |weights: &[f64; 3], of: &dyn Fn(usize) -> f64| (0..3).map(|c| weights[c] * of(c)).sum::<f64>();
     let at = |weights: &[f64; 3]| {
         let [u, v] = [0, 1].map(|k| mix(weights, &|c| corners[c].1[k]));
