@@ -827,7 +827,7 @@ proptest! {
 fn letters_of_papers_are_one_mistake_with_its_hint() {
     let with = |rule: &str| curve(&format!("  {rule}"));
     refused(&with("A -> λ"), code::UNKNOWN_CHARACTER, "`eps`");
-    refused(&with("A -> B é B é"), code::UNKNOWN_CHARACTER, "a to z");
+    refused(&with("A -> B é B"), code::UNKNOWN_CHARACTER, "a to z");
     refused("system s : curve\nmodule A\nω : A\n", code::UNKNOWN_CHARACTER, "`axiom: …`");
     refused(&with("A (50%) -> F"), code::FOREIGN_RULE, "`->(0.5) …`");
 }
