@@ -49,9 +49,10 @@ fn round_trip(text: &str) {
     let first = parse(text);
     if !first.has_errors() {
         let printed = print(&first.file);
-        let again = parsed(&printed);
-        assert_eq!(again, first.file, "\n{text}\n----\n{printed}");
-        assert_eq!(print(&again), printed);
+        let again = parse(&printed);
+        assert!(!again.has_errors(), "{}\n{text}", shown(&again.diagnostics, &printed));
+        assert_eq!(again.file, first.file, "\n{text}\n----\n{printed}");
+        assert_eq!(print(&again.file), printed);
     }
 }
 
@@ -834,10 +835,11 @@ fn letters_of_papers_are_one_mistake_with_its_hint() {
 
 #[test]
 fn a_roll_at_the_end_of_a_line_gets_a_warning() {
-    for word in ["F +(20) \\\n      F", "F \\\n  B -> C", "[ F \\\n    ] B", "F \\ // a comment"] {
+    for word in ["\\", "F +(20) \\\n      F", "F \\\n  B -> C", "[ F \\\n    ] B", "F \\ // a comment"] {
         let text = curve(&format!("  A -> {word}"));
         refused(&text, code::ROLL_AT_END, "indented deeper");
         assert!(!parse(&text).has_errors());
+        round_trip(&text);
     }
     for word in ["F \\ F", "F \\(20)\n    F", "F [ \\ F ]\n    F"] {
         parsed(&curve(&format!("  A -> {word}")));
