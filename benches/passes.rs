@@ -7,9 +7,9 @@ use burgeon::cpu::{Cpu, compact, scan};
 use burgeon::language::compile;
 use burgeon::language::vocabulary::Vocabulary;
 use burgeon::patch::{Axiom, Net};
-use burgeon::plan::Plan;
 use burgeon::plan::derive::{Backend, Outcome, StageId};
 use burgeon::plan::step::Clock;
+use burgeon::plan::{Content, Plan};
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
 
@@ -33,8 +33,7 @@ fn step(c: &mut Criterion) {
     for (name, text) in [("plain", PLAIN), ("conditional", CONDITIONAL)] {
         let (plan, axiom) = plan(text);
         let mut cpu = Cpu::new(&plan, 0).expect("threads");
-        let (records, nets) = plan.axiom(&axiom, &[]).expect("records");
-        let chunk = cpu.upload(records, nets).expect("a chunk");
+        let chunk = cpu.upload(plan.axiom(&axiom, &[]).expect("nets")).expect("a chunk");
         group.throughput(Throughput::Bytes(5 * NETS as u64 * plan.tables.layout.module_bytes()));
         group.bench_function(name, |b| {
             b.iter(|| match cpu.step(FIRST, Clock::default(), &chunk, u64::MAX) {
@@ -56,7 +55,8 @@ fn words(c: &mut Criterion) {
     for threads in [1, 2] {
         let mut cpu = Cpu::new(&plan, threads).expect("threads");
         let record = |n: usize| [n as u32 % 3, 0, 0, 0];
-        let chunk = cpu.upload((0..LENGTH).flat_map(record).collect(), Vec::new()).expect("a chunk");
+        let records = (0..LENGTH).flat_map(record).collect();
+        let chunk = cpu.upload(Content::of_records(records)).expect("a chunk");
         let chunk = cpu.join(vec![chunk], false).expect("a word").remove(0);
         group.bench_function(format!("burgeon, {threads} threads"), |b| {
             b.iter(|| match cpu.step(FIRST, Clock::default(), &chunk, u64::MAX) {

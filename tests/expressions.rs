@@ -279,7 +279,8 @@ fn random_expressions_are_near_the_oracle() {
         let word = word(&axiom, 1, &mut Cpu::new(&plan, 2).expect("threads"));
         let stage = &plan.tables.rule_sets[0].stages[0];
         let environment = plan.environment(stage, &[], &Given::default());
-        let (records, _) = plan.axiom(&axiom, &[]).expect("the axiom");
+        let content = plan.axiom(&axiom, &[]).expect("the axiom");
+        let records = content.records();
         let code = &stage.code.children[0];
         let truth = truth(&text);
         for (n, record) in records.chunks_exact(plan.tables.layout.record_words).enumerate() {

@@ -355,7 +355,8 @@ fn a_word_in_pieces_peaks_lower_and_never_above_its_budget() {
 
 fn growth(plan: &Plan, job: &Job) -> Vec<burgeon::plan::size::Bounds> {
     let schedule = schedule::unroll(plan, &job.uniforms).expect("a schedule");
-    let (records, _) = plan.axiom(&job.axiom, &job.uniforms).expect("an axiom");
+    let content = plan.axiom(&job.axiom, &job.uniforms).expect("an axiom");
+    let records = content.records();
     bounds(plan, &job.uniforms, &records, &schedule, u64::MAX)
 }
 

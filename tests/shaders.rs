@@ -4,10 +4,9 @@ use crate::oracle;
 use burgeon::codegen::{self, Edit, GENERATED, Mapping, Shader, Tuning};
 use burgeon::language::{Severity, Span, Vocabulary, compile};
 use burgeon::plan::derive::StageId;
-use burgeon::plan::layout::Layout;
-use burgeon::plan::step::{Clock, Column, Extent, PASSES, Pass, Status};
+use burgeon::plan::step::{Clock, Column, Extent, Pass, Status};
 use burgeon::plan::turns::{Progress, TurnWords};
-use burgeon::plan::{Plan, step};
+use burgeon::plan::{Plan, Stored};
 use naga::back::{glsl, hlsl, msl, spv};
 use naga::proc::{BoundsCheckPolicies, Layouter};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
@@ -69,34 +68,17 @@ fn written_plans() -> Vec<(String, Plan)> {
     list
 }
 
-fn stages(plan: &Plan) -> Vec<StageId> {
-    let sets = plan.tables.rule_sets.iter().enumerate();
-    sets.flat_map(|(rule_set, set)| (0..set.stages.len()).map(move |stage| StageId { rule_set, stage }))
-        .collect()
-}
-
 fn stage_shaders(plan: &Plan, id: StageId, tuning: &Tuning) -> Vec<Shader> {
-    let s = codegen::stage(plan, id, tuning).unwrap_or_else(|e| panic!("{e}"));
-    s.measure
-        .into_iter()
-        .chain(s.turtle)
-        .chain(s.link)
-        .chain(s.claim)
-        .chain([s.match_modules, s.count, s.emit])
-        .collect()
+    codegen::stage(plan, id, tuning).unwrap_or_else(|e| panic!("{e}"))
 }
 
-fn shared_shaders(layout: &Layout, tuning: &Tuning) -> [Shader; 3] {
-    let s = codegen::shared(layout, tuning).unwrap_or_else(|e| panic!("{e}"));
-    [s.scan, s.compact, s.retire]
-}
-
-/// All kernels of a plan.
+/// All kernels of a plan, those of a derivation that is recorded among them.
 fn shaders(plan: &Plan, tuning: &Tuning) -> Vec<Shader> {
-    let staged = stages(plan).into_iter().flat_map(|id| stage_shaders(plan, id, tuning));
-    let layout = &plan.tables.layout;
-    let proceed = codegen::proceed_edited(layout, tuning, None).unwrap_or_else(|e| panic!("{e}"));
-    staged.chain(shared_shaders(layout, tuning)).chain([proceed]).collect()
+    let staged = plan.stages().into_iter().flat_map(|id| stage_shaders(plan, id, tuning));
+    let shared = codegen::shared(plan, tuning).unwrap_or_else(|e| panic!("{e}"));
+    let recorded =
+        [codegen::proceed_edited(tuning, None), codegen::start_word_edited(&plan.tables.layout, None)];
+    staged.chain(shared).chain(recorded.map(|shader| shader.unwrap_or_else(|e| panic!("{e}")))).collect()
 }
 
 fn small_plan() -> Plan {
@@ -204,8 +186,9 @@ pub fn pairs() -> impl Iterator<Item = [u8; 2]> {
 fn emit_translates_for_every_degree() {
     for [m, n] in pairs() {
         let plan = plans(&SMALL.replace("bezier 3", &format!("bezier {m} {n} rational"))).swap_remove(0);
-        for (tuning, id) in TUNINGS.iter().flat_map(|t| stages(&plan).into_iter().map(move |id| (t, id))) {
-            let emit = codegen::stage(&plan, id, tuning).unwrap_or_else(|e| panic!("{e}")).emit;
+        for (tuning, id) in TUNINGS.iter().flat_map(|t| plan.stages().into_iter().map(move |id| (t, id))) {
+            let emit = stage_shaders(&plan, id, tuning).pop().expect("kernels");
+            assert!(emit.name.starts_with("emit"), "{}", emit.name);
             assert_translates(&emit, &format!("degree {m}×{n}"));
         }
     }
@@ -219,7 +202,7 @@ fn every_kernel_of_random_systems_translates_to_every_language() {
         let plans = plans(&case.text);
         assert!(!plans.is_empty(), "{case}");
         for plan in plans {
-            let staged = stages(&plan).into_iter().flat_map(|id| stage_shaders(&plan, id, tuning));
+            let staged = plan.stages().into_iter().flat_map(|id| stage_shaders(&plan, id, tuning));
             staged.for_each(|shader| assert_translates(&shader, &case.to_string()));
         }
     }
@@ -229,22 +212,23 @@ fn every_kernel_of_random_systems_translates_to_every_language() {
 
 /// What a column is called in WGSL, and what it holds.
 fn expected(column: Column) -> (&'static str, &'static str) {
+    use Stored::{Nets, Records};
     match column {
-        Column::Records => ("records", "array<vec4<u32>>"),
-        Column::Nets => ("nets", "array<vec4<f32>>"),
+        Column::Before(Records) => ("records", "array<vec4<u32>>"),
+        Column::Before(Nets) => ("nets", "array<vec4<f32>>"),
+        Column::After(Records) => ("next_records", "array<vec4<u32>>"),
+        Column::After(Nets) => ("next_nets", "array<vec4<f32>>"),
+        Column::Finished(Records) => ("finished_records", "array<vec4<u32>>"),
+        Column::Finished(Nets) => ("finished_nets", "array<vec4<f32>>"),
         Column::Rules => ("rules", "array<u32>"),
         Column::Attributes => ("attributes", "array<u32>"),
         Column::Counts => ("counts", "array<u32>"),
         Column::Offsets => ("offsets", "array<u32>"),
-        Column::NextRecords => ("next_records", "array<vec4<u32>>"),
-        Column::NextNets => ("next_nets", "array<vec4<f32>>"),
         Column::Links => ("links", "array<u32>"),
-        Column::Sums => ("sums", "array<u32>"),
-        Column::Motions => ("motions", "array<Motion>"),
+        Column::Sums | Column::RetiredSums => ("sums", "array<u32>"),
+        Column::TileMotions | Column::Motions => ("motions", "array<Motion>"),
         Column::Carried => ("carried", "array<Motion>"),
         Column::Retired => ("retired", "array<u32>"),
-        Column::FinishedRecords => ("finished_records", "array<vec4<u32>>"),
-        Column::FinishedNets => ("finished_nets", "array<vec4<f32>>"),
         Column::Status => ("status", "Status"),
         Column::Environment => ("environment", "array<vec4<u32>>"),
         Column::Extent => ("extent", "Extent"),
@@ -286,9 +270,10 @@ fn seen(module: &Module) -> Vec<Seen> {
     list
 }
 
-fn wanted(pass: &Pass) -> Vec<Seen> {
+fn wanted(pass: Pass) -> Vec<Seen> {
     // What only linked words bind is declared for all.
-    let columns = pass.bindings(true).into_iter();
+    let links = matches!(pass, Pass::Match | Pass::EmitWord).then_some((Column::Links, false));
+    let columns = pass.row().bindings().chain(links);
     let binding = |(n, (column, written)): (usize, (Column, bool))| {
         let space = match column {
             Column::Extent | Column::Environment => AddressSpace::Uniform,
@@ -302,23 +287,26 @@ fn wanted(pass: &Pass) -> Vec<Seen> {
 }
 
 /// The kernels of a pass in all tunings.
-fn kernels_of(pass: &Pass) -> Vec<Shader> {
+fn kernels_of(pass: Pass) -> Vec<Shader> {
     let plans = [small_plan(), small_curve(), small_links()];
     let all = TUNINGS.iter().flat_map(|tuning| plans.iter().flat_map(|plan| shaders(plan, tuning)));
     // All mappings of emit have the entry point `emit`.
-    all.filter(|s| s.module.entry_points.iter().any(|e| e.name == pass.name)).collect()
+    let entry = pass.row().entries.last().expect("an entry");
+    all.filter(|s| s.module.entry_points.iter().any(|e| e.name == *entry)).collect()
 }
 
 #[test]
 fn bindings_are_the_columns_of_the_pass_in_order() {
-    for pass in &PASSES {
-        let kernels = kernels_of(pass);
-        assert!(kernels.len() >= 2, "{}", pass.name);
+    for pass in Pass::ALL {
+        let (kernels, name) = (kernels_of(pass), pass.row().name);
+        assert!(kernels.len() >= 2, "{name}");
         for shader in kernels {
-            assert_eq!(seen(&shader.module), wanted(pass), "{} ({})", pass.name, shader.name);
+            assert_eq!(seen(&shader.module), wanted(pass), "{name} ({})", shader.name);
+            let entries: Vec<&str> = shader.module.entry_points.iter().map(|e| e.name.as_str()).collect();
+            assert!(pass.row().entries.iter().all(|entry| entries.contains(entry)), "{name}: {entries:?}");
         }
     }
-    let mut emits: Vec<&str> = kernels_of(&step::EMIT).iter().map(|s| s.name).collect();
+    let mut emits: Vec<&str> = kernels_of(Pass::Emit).iter().map(|s| s.name).collect();
     emits.dedup();
     assert_eq!(emits, ["emit", "emit_by_point", "emit_by_line"]);
 }
@@ -385,6 +373,10 @@ fn structs_lie_in_wgsl_as_in_rust() {
         ("seed", clock + offset_of!(Clock, seed)),
         ("given", offset_of!(Extent, given)),
         ("halted", offset_of!(Extent, halted)),
+        ("before", offset_of!(Extent, before)),
+        ("behind", offset_of!(Extent, behind)),
+        ("made", offset_of!(Extent, made)),
+        ("reserved", offset_of!(Extent, reserved)),
     ];
     let reserved = offset_of!(Status, reserved);
     let status = [
@@ -411,7 +403,7 @@ fn structs_lie_in_wgsl_as_in_rust() {
         ("index", offset_of!(TurnWords, index)),
         ("growth", offset_of!(TurnWords, growth)),
         ("flags", offset_of!(TurnWords, flags)),
-        ("reserved_0", offset_of!(TurnWords, reserved)),
+        ("children", offset_of!(TurnWords, children)),
     ];
     let rust = |members: &[(&str, usize)]| -> Vec<(String, u32)> {
         members.iter().map(|(name, at)| (name.to_string(), *at as u32)).collect()
@@ -484,14 +476,14 @@ fn every_kernel_has_a_twin_on_the_cpu() {
         let entry = name.split("_by_").next().unwrap_or(&name);
         assert!(read(kernel).contains(&format!("fn {entry}(")), "{name}.wgsl has no `{entry}`");
         // On the host it is the loop of the derivation itself.
-        if name == "proceed" {
+        if ["proceed", "start_word"].contains(&name.as_str()) {
             continue;
         }
         let twin = read(Path::new(&format!("src/cpu/{entry}.rs")));
         assert!(twin.contains(&format!("pub fn {entry}(")), "src/cpu/{entry}.rs has no `{entry}`");
     }
-    for pass in &PASSES {
-        assert!(kernels.iter().any(|k| stem(k) == pass.name), "{} has no kernel", pass.name);
+    for kernel in Pass::ALL.map(|pass| pass.row().kernel) {
+        assert!(kernels.iter().any(|k| stem(k) == kernel), "{kernel} has no kernel");
     }
 }
 
@@ -502,9 +494,10 @@ fn every_kernel_has_a_twin_on_the_cpu() {
 fn broken(edit: Edit) -> codegen::Error {
     let plan = small_plan();
     let tuning = Tuning { mapping: Mapping::NetPerInvocation, ..Tuning::GPU };
-    let stages = stages(&plan);
-    let refused = stages.iter().find_map(|id| codegen::stage_edited(&plan, *id, &tuning, Some(&edit)).err());
-    let refused = refused.or_else(|| codegen::shared_edited(&plan.tables.layout, &tuning, Some(&edit)).err());
+    let refused = plan.stages().into_iter().find_map(|id| {
+        let works = &mut id.of(&plan).program.works();
+        works.find_map(|work| codegen::kernel(&plan, id, work, &tuning, Some(&edit)).err())
+    });
     refused.unwrap_or_else(|| panic!("{edit:?} is accepted"))
 }
 

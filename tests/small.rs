@@ -3,7 +3,7 @@
 use burgeon::language::Value;
 use burgeon::plan::derive::{Backend, Outcome, StageId};
 use burgeon::plan::step::Clock;
-use burgeon::plan::{Given, Plan};
+use burgeon::plan::{Content, Given, Plan};
 use std::sync::Arc;
 
 /// A backend whose chunks hold few modules, and that sees that none ever holds more.
@@ -22,12 +22,12 @@ impl<B: Backend> Backend for Small<B> {
     fn bind(&mut self, uniforms: &[Value], given: &Given) -> Result<(), B::Error> {
         self.inner.bind(uniforms, given)
     }
-    fn upload(&mut self, records: Vec<u32>, nets: Vec<[f32; 4]>) -> Result<B::Chunk, B::Error> {
-        let chunk = self.inner.upload(records, nets)?;
+    fn upload(&mut self, content: Content) -> Result<B::Chunk, B::Error> {
+        let chunk = self.inner.upload(content)?;
         assert!(self.len(&chunk) <= self.most);
         Ok(chunk)
     }
-    fn read(&mut self, chunk: &B::Chunk) -> Result<(Vec<u32>, Vec<[f32; 4]>), B::Error> {
+    fn read(&mut self, chunk: &B::Chunk) -> Result<Content, B::Error> {
         self.inner.read(chunk)
     }
     fn len(&self, chunk: &B::Chunk) -> usize {

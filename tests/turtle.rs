@@ -312,7 +312,7 @@ const MUTANTS: &[mutants::Mutant] = &[
     ("compositions", "return partial[local - 1u];", "return partial[local];"),
     ("turtle", "return still();", "return carried[0];"),
     ("turtle", "motion = composed(motion, motions[t])", "motion = motions[t]"),
-    ("turtle", "let entered = carried[0]", "let entered = still()"),
+    ("turtle", "if extent.before > 0u", "if false"),
     ("turtle", "state = composed(state, here)", "state = here"),
     ("turtle", "carried[0] = composed(entered, inclusive)", "carried[0] = inclusive"),
     ("turtle", "var state = composed(motions[tile], before)", "var state = motions[tile]"),

@@ -86,7 +86,7 @@ fn spine(@builtin(local_invocation_index) local: u32) {
   }
   let inclusive = workgroup_composed(local, f);
   let before = before_of(local);
-  let entered = status.claimed;
+  let entered = select(status.claimed, 0u, extent.before == 0u);
   var state = after(before, entered);
   for (var t = start; t < end; t++) {
     let here = sums[t];

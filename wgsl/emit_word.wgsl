@@ -9,6 +9,10 @@ import rules;
 import address;
 import attributes;
 import branches;
+import matching;
+import successors;
+import write_record;
+import only_children;
 import ops;
 
 @group(0) @binding(0) var<uniform> extent: Extent;
@@ -40,7 +44,7 @@ fn number_before(i: u32) -> u32 {
   if WORD != 0u {
     return offsets[i] - offsets[first_of(i)];
   }
-  return extent.wanted + offsets[i];
+  return extent.made + offsets[i];
 }
 
 @compute @workgroup_size(WORKGROUP)

@@ -9,6 +9,7 @@
 import extent;
 import rules;
 import links;
+import ignored;
 
 @group(0) @binding(0) var<uniform> extent: Extent;
 @group(0) @binding(1) var<uniform> environment: array<vec4u, ENVIRONMENT_QUADS>;

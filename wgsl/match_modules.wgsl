@@ -7,6 +7,7 @@ import rules;
 import address;
 import attributes;
 import branches;
+import matching;
 import ops;
 
 @group(0) @binding(0) var<uniform> extent: Extent;

@@ -6,6 +6,7 @@
 
 import extent;
 import address;
+import measures;
 
 @group(0) @binding(0) var<uniform> extent: Extent;
 @group(0) @binding(1) var<uniform> environment: array<vec4u, ENVIRONMENT_QUADS>;

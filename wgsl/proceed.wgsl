@@ -12,7 +12,7 @@ struct Turn {
   index: u32,
   growth: u32,
   flags: u32,
-  reserved_0: u32,
+  children: u32,
 }
 
 @group(0) @binding(0) var<uniform> turn: Turn;
@@ -25,12 +25,14 @@ struct Turn {
 const ENDS_STEP = 1u;
 const ENDS_DERIVE = 2u;
 const UNTIL_TERMINAL = 4u;
+const STARTS = 8u;
 
 // Words from one extent to the next, and of an extent: uniforms begin at multiples of 256 bytes.
 const EXTENT_WORDS = 64u;
 const CAPACITY = 1u;
 const RUN_STEP = 4u;
 const HALTED = 7u;
+const BEHIND = 9u;
 
 // Before the first sweep; the host has written its extent.
 @compute @workgroup_size(1)
@@ -60,8 +62,12 @@ fn proceed() {
   }
   progress.needed = max(progress.needed, total);
   progress.too_deep |= atomicLoad(&status.too_deep);
+  // The point at which a turtle starts stands there.
+  if total == 0u && (turn.flags & STARTS) != 0u {
+    total = 1u;
+  }
   // A word that is not whole is none.
-  if total > progress.capacity || progress.too_deep != 0u {
+  if progress.needed > progress.capacity || progress.too_deep != 0u {
     total = 0u;
   }
   progress.fired |= fired;
@@ -83,8 +89,9 @@ fn proceed() {
   extents[next * EXTENT_WORDS] = total;
   extents[next * EXTENT_WORDS + RUN_STEP] = progress.steps;
   extents[next * EXTENT_WORDS + HALTED] = progress.halted;
-  // For an invocation a module, for their scan, and for emit, whose workgroups take EMIT_NETS nets each.
+  extents[next * EXTENT_WORDS + BEHIND] = total;
+  // For an invocation a module, for their scan, and for their children.
   dispatches[3u * next] = vec4u(workgroups(total, WORKGROUP), 0u);
   dispatches[3u * next + 1u] = vec4u(workgroups(total, TILE), 0u);
-  dispatches[3u * next + 2u] = vec4u(workgroups(total, EMIT_NETS), 0u);
+  dispatches[3u * next + 2u] = vec4u(workgroups(total, turn.children), 0u);
 }

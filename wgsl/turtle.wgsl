@@ -57,7 +57,10 @@ fn spine(@builtin(local_invocation_index) local: u32) {
     motion = composed(motion, motions[t]);
   }
   let inclusive = workgroup_composed(local, motion);
-  let entered = carried[0];
+  var entered = still();
+  if extent.before > 0u {
+    entered = carried[0];
+  }
   var state = composed(entered, before_of(local));
   for (var t = start; t < end; t++) {
     let here = motions[t];

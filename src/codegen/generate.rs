@@ -5,6 +5,7 @@ use crate::plan::code::{ChildCode, RuleCode};
 use crate::plan::context::{Equal, Go, Operand, Place};
 use crate::plan::graph::{Graph, Node, NodeId, Scalar};
 use crate::plan::layout::Layout;
+use crate::plan::measure::{MEASURES, Row};
 use crate::plan::placement::Placement;
 use crate::plan::tables::{MatchRule, Production, Stage, Tables};
 use crate::plan::turtle::Turtle;
@@ -23,14 +24,10 @@ impl Text {
     fn of_rule(&mut self, line: impl Into<String>, span: Span) {
         self.lines.push((line.into(), Some(span)));
     }
-    /// Puts `other` behind.
-    pub fn append(&mut self, other: Text) {
-        self.lines.extend(other.lines);
-    }
 }
 
-/// The record as the registers of an invocation, and how it is read and written.
-pub fn record(layout: &Layout, writes: bool) -> Text {
+/// The record as the registers of an invocation, and how it is read.
+pub fn record(layout: &Layout) -> Text {
     let quads = layout.record_words / 4;
     let list = |f: &dyn Fn(usize) -> String| (0..quads).map(f).collect::<Vec<_>>().join(", ");
     let mut text = Text::default();
@@ -40,13 +37,27 @@ pub fn record(layout: &Layout, writes: bool) -> Text {
     text.line("  let b = (i + HALO) * QUADS;");
     text.line(format!("  return Record({}, i);", list(&|q| format!("records[b + {q}u]"))));
     text.line("}");
-    if writes {
-        text.line("fn write_record(at: u32, r: Record) {");
-        text.line("  let b = (at + HALO) * QUADS;");
-        for q in 0..quads {
-            text.line(format!("  next_records[b + {q}u] = r.q{q};"));
-        }
-        text.line("}");
+    text
+}
+
+/// How a record is written.
+pub fn write_record(layout: &Layout) -> Text {
+    let mut text = Text::default();
+    text.line("fn write_record(at: u32, r: Record) {");
+    text.line("  let b = (at + HALO) * QUADS;");
+    for q in 0..layout.record_words / 4 {
+        text.line(format!("  next_records[b + {q}u] = r.q{q};"));
+    }
+    text.line("}");
+    text
+}
+
+/// Where the row of a module holds each attribute.
+pub fn measures(row: &Row) -> Text {
+    let mut text = Text::default();
+    for (place, measure) in row.places.iter().zip(MEASURES) {
+        let place = place.map_or("NOWHERE".to_string(), |at| format!("{at}u"));
+        text.line(format!("const {} = {place};", measure.place));
     }
     text
 }
@@ -64,7 +75,7 @@ pub fn ignored(tables: &Tables) -> Text {
 /// `search_n(own)`: what the steps of a search find behind a module, the first way that meets all demands. A step is a
 /// block inside that of the one before; one that looks for a branch is a loop.
 pub fn searches(tables: &Tables) -> Text {
-    let mut text = ignored(tables);
+    let mut text = Text::default();
     for (n, search) in tables.searches.iter().enumerate() {
         let count = search.steps.len();
         text.line(format!("fn search_{n}(own: u32) -> array<u32, {count}> {{"));
@@ -470,7 +481,7 @@ impl<'a> Values<'a> {
             Node::NearSymbol(offset) => {
                 format!("i32({}.q0.x & 0xffffu)", self.near.get(&offset).map_or("m", String::as_str))
             }
-            Node::Behind => "i32(extent.wanted - m.index)".to_string(),
+            Node::Behind => "i32(extent.behind - m.index)".to_string(),
             Node::Previous => "bitcast<i32>(previous(m.index))".to_string(),
             Node::Index => "bitcast<i32>(m.index)".to_string(),
             Node::Beside(places) => format!("bitcast<i32>(beside(m.index, {places}u))"),

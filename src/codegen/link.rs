@@ -1,6 +1,6 @@
-//! Joins the files of `wgsl/`: `import NAME;` lines name files, each is joined once, before the
-//! file that names it; a prologue of constants and the generated code stand before all. Where every
-//! line came from is kept. Loops over a net are [written out](super::unroll).
+//! Joins the files of `wgsl/`: `import NAME;` lines name files or [parts](Parts) of what is generated, each is joined
+//! once, before the file that names it; a prologue of constants stands before all. Where every line came from is kept.
+//! Loops over a net are [written out](super::unroll).
 
 use super::Error;
 use super::generate::Text;
@@ -45,12 +45,14 @@ const FILES: &[(&str, &str)] = files![
     "emit_by_point"
     "emit_word"
     "expand"
+    "join"
     "link"
     "match_modules"
     "measure"
     "proceed"
     "retire"
     "scan"
+    "start_word"
     "stencil"
     "turtle"
     "turtle_linked"
@@ -121,14 +123,14 @@ pub struct Linked {
     origins: Vec<Origin>,
 }
 
+/// What the rules say, by the names under which files import it; none of others.
+pub type Parts<'a> = &'a dyn Fn(&str) -> Option<Text>;
+
 /// Links the kernel of this name.
-pub fn link(name: &'static str, constants: &str, generated: &Text, edit: Option<&Edit>) -> Linked {
+pub fn link(name: &'static str, constants: &str, parts: Parts, edit: Option<&Edit>) -> Linked {
     let mut linked = Linked { source: String::new(), origins: Vec::new() };
     constants.lines().for_each(|line| linked.line(line, Origin::Constants));
-    for (line, span) in &generated.lines {
-        linked.line(&edited(GENERATED, line, edit), Origin::Generated(*span));
-    }
-    linked.join(name, Origin::Constants, edit, &mut Vec::new());
+    linked.join(name, Origin::Constants, (parts, edit), &mut Vec::new());
     let lines = linked.source.lines().map(str::to_string).zip(linked.origins).collect();
     let mut unrolled = Linked { source: String::new(), origins: Vec::new() };
     unroll(lines, constants).iter().for_each(|(line, origin)| unrolled.line(line, *origin));
@@ -142,21 +144,33 @@ impl Linked {
         self.origins.push(origin);
     }
 
-    fn join(&mut self, name: &str, from: Origin, edit: Option<&Edit>, joined: &mut Vec<&'static str>) {
-        let Some(&(path, text)) = FILES.iter().find(|f| name_of(f.0) == name) else {
-            // naga then refuses the line that asks for what is missing.
-            return self.line(&format!("import {name};"), from);
-        };
-        if joined.contains(&path) {
+    fn join(
+        &mut self,
+        name: &str,
+        from: Origin,
+        (parts, edit): (Parts, Option<&Edit>),
+        joined: &mut Vec<String>,
+    ) {
+        if joined.iter().any(|known| known == name) {
             return;
         }
-        joined.push(path);
+        joined.push(name.to_string());
+        let Some(&(path, text)) = FILES.iter().find(|f| name_of(f.0) == name) else {
+            let Some(part) = parts(name) else {
+                // naga then refuses the line that asks for what is missing.
+                return self.line(&format!("import {name};"), from);
+            };
+            for (line, span) in &part.lines {
+                self.line(&edited(GENERATED, line, edit), Origin::Generated(*span));
+            }
+            return;
+        };
         let text = edited(name_of(path), text, edit);
         let import = |line: &str| Some(line.strip_prefix("import ")?.strip_suffix(';')?.to_string());
         let lines = || text.lines().enumerate().map(|(n, line)| (line, Origin::File(path, n + 1)));
         for (line, origin) in lines() {
             if let Some(file) = import(line) {
-                self.join(&file, origin, edit, joined);
+                self.join(&file, origin, (parts, edit), joined);
             }
         }
         for (line, origin) in lines() {

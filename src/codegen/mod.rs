@@ -16,7 +16,8 @@ use crate::language::Span;
 use crate::plan::Plan;
 use crate::plan::derive::StageId;
 use crate::plan::layout::Layout;
-use crate::plan::measure::MEASURES;
+use crate::plan::program::{Over, Work};
+use crate::plan::step::Pass;
 use crate::plan::tables::{Production, Stage};
 
 /// How `emit` is laid out over invocations; the bits that come out are the same.
@@ -65,9 +66,12 @@ impl Tuning {
     pub const GPU: Tuning =
         Tuning { workgroup: 64, scan_workgroup: 256, scan_items: 32, mapping: Mapping::PointPerInvocation };
 
-    /// The kernel that writes children.
-    fn emit_kernel(&self, layout: &Layout) -> &'static str {
-        if layout.is_curve() { "emit_word" } else { self.mapping_of(layout).kernel() }
+    /// The file of a pass's kernel.
+    fn kernel(&self, pass: Pass, layout: &Layout) -> &'static str {
+        match pass {
+            Pass::Emit => self.mapping_of(layout).kernel(),
+            _ => pass.row().kernel,
+        }
     }
 
     /// How `emit` is laid out for nets of this layout.
@@ -85,37 +89,32 @@ impl Tuning {
         if self.mapping == Mapping::NetPerInvocation { 4 } else { 1 }
     }
 
-    /// Invocations of `emit_word` for so many points.
-    pub fn word_invocations(&self, points: u64, stage: &Stage) -> u64 {
-        match generate::only_production(stage) {
-            Some(_) => points.div_ceil(self.points_each() as u64),
-            None => points,
-        }
-    }
-
-    /// Invocations of `emit` for so many nets.
-    pub fn emit_invocations(&self, nets: u64, layout: &Layout) -> u64 {
-        if layout.is_curve() {
-            return nets;
-        }
-        match self.mapping_of(layout) {
-            Mapping::NetPerInvocation => nets,
-            Mapping::PointPerInvocation => nets * layout.net_points() as u64,
-            Mapping::LinePerInvocation => {
-                nets.div_ceil(self.nets_by_line(layout) as u64) * self.workgroup as u64
+    /// Invocations that write the children of so many modules.
+    pub fn children(&self, pass: Pass, modules: u64, stage: &Stage, layout: &Layout) -> u64 {
+        match (pass, self.mapping_of(layout)) {
+            (Pass::EmitWord, _) => match generate::only_production(stage) {
+                Some(_) => modules.div_ceil(self.points_each() as u64),
+                None => modules,
+            },
+            (_, Mapping::NetPerInvocation) => modules,
+            (_, Mapping::PointPerInvocation) => modules * layout.net_points() as u64,
+            (_, Mapping::LinePerInvocation) => {
+                modules.div_ceil(self.nets_by_line(layout) as u64) * self.workgroup as u64
             }
         }
     }
 
-    /// Nets that a workgroup of `emit` takes.
-    fn emit_nets(&self, layout: &Layout) -> usize {
-        if layout.is_curve() {
-            return self.workgroup as usize;
-        }
-        match self.mapping_of(layout) {
-            Mapping::NetPerInvocation => self.workgroup as usize,
-            Mapping::PointPerInvocation => self.workgroup as usize / layout.net_points(),
-            Mapping::LinePerInvocation => self.nets_by_line(layout),
+    /// Modules whose children a workgroup writes.
+    pub fn children_a_group(&self, pass: Pass, stage: &Stage, layout: &Layout) -> u64 {
+        let group = u64::from(self.workgroup);
+        match (pass, self.mapping_of(layout)) {
+            (Pass::EmitWord, _) => match generate::only_production(stage) {
+                Some(_) => group * self.points_each() as u64,
+                None => group,
+            },
+            (_, Mapping::NetPerInvocation) => group,
+            (_, Mapping::PointPerInvocation) => group / layout.net_points() as u64,
+            (_, Mapping::LinePerInvocation) => self.nets_by_line(layout) as u64,
         }
     }
 
@@ -161,136 +160,96 @@ pub struct Error {
     pub rule: Option<Span>,
 }
 
-/// The kernels of a stage that depend on its rules.
-pub struct StageShaders {
-    /// Where the rules read attributes of nets.
-    pub measure: Option<Shader>,
-    /// Where words are linked.
-    pub link: Option<Shader>,
-    /// Where the word is traced: `turtle`, or `turtle_linked`.
-    pub turtle: Option<Shader>,
-    pub match_modules: Shader,
-    /// Where rules replace several modules.
-    pub claim: Option<Shader>,
-    pub count: Shader,
-    pub emit: Shader,
+/// Generates, links and validates the kernels of a stage, in the order in which its passes first run: those that depend on
+/// its rules.
+pub fn stage(plan: &Plan, id: StageId, tuning: &Tuning) -> Result<Vec<Shader>, Error> {
+    let works = kernels(id.of(plan).program.works()).filter(|work| work.pass.row().of_rules);
+    works.map(|work| kernel(plan, id, work, tuning, None)).collect()
 }
 
-/// Generates, links and validates the kernels of a stage.
-pub fn stage(plan: &Plan, id: StageId, tuning: &Tuning) -> Result<StageShaders, Error> {
-    stage_edited(plan, id, tuning, None)
+/// Those that know only the layout, of all stages of a plan.
+pub fn shared(plan: &Plan, tuning: &Tuning) -> Result<Vec<Shader>, Error> {
+    let stages = plan.stages();
+    let programs = stages.iter().flat_map(|id| {
+        let program = &id.of(plan).program;
+        program.joining.iter().chain(program.works()).map(move |work| (*id, work))
+    });
+    let mut known: Vec<Pass> = Vec::new();
+    let mut shaders = Vec::new();
+    for (id, work) in programs.filter(|(_, work)| !work.pass.row().of_rules) {
+        if !known.contains(&work.pass) {
+            known.push(work.pass);
+            shaders.push(kernel(plan, id, work, tuning, None)?);
+        }
+    }
+    Ok(shaders)
 }
 
-/// The same, with a text replaced on purpose.
+/// The first pass of each kernel.
+fn kernels<'w>(works: impl Iterator<Item = &'w Work>) -> impl Iterator<Item = &'w Work> {
+    let mut known = Vec::new();
+    works.filter(move |work| {
+        let kernel = work.pass.row().kernel;
+        let new = !known.contains(&kernel);
+        known.push(kernel);
+        new
+    })
+}
+
+/// The kernel of a pass as a stage runs it, with a text replaced on purpose if that is given.
 #[doc(hidden)]
-pub fn stage_edited(
+pub fn kernel(
     plan: &Plan,
     id: StageId,
+    work: &Work,
     tuning: &Tuning,
     edit: Option<&Edit>,
-) -> Result<StageShaders, Error> {
-    let stage = id.of(plan);
-    let constants = stage_constants(plan, stage, tuning);
-    let layout = plan.tables.layout;
-    let mut matching = generate::searches(&plan.tables);
-    matching.append(generate::matching(stage));
-    let mut match_parts = generate::record(&layout, false);
-    match_parts.append(matching.clone());
-    let mut emit_parts = generate::record(&layout, true);
-    emit_parts.append(matching);
-    emit_parts.append(generate::successors(stage, &layout));
-    if layout.is_curve() {
-        emit_parts.append(generate::only_children(stage, tuning.points_each()));
+) -> Result<Shader, Error> {
+    let (stage, layout, tables) = (id.of(plan), &plan.tables.layout, &plan.tables);
+    let scans = work.calls.iter().any(|call| matches!(call.over, Over::Tiles(_)));
+    let mut constants = if scans { scan_constants(tuning) } else { workgroup_constant(tuning) };
+    constants.push_str(&layout_constants(layout, tuning));
+    constants.push_str(&format!("const RING = {};\n", plan.is_ring()));
+    if work.pass.row().of_rules {
+        constants.push_str(&stage_constants(plan, stage, tuning));
     }
-    let turtle = match stage.row.turtle {
-        true => Some(turtle(plan, stage, tuning, edit)?),
-        false => None,
+    let parts = |part: &str| {
+        Some(match part {
+            "record" => generate::record(layout),
+            "write_record" => generate::write_record(layout),
+            "measures" => generate::measures(&stage.row),
+            "ignored" => generate::ignored(tables),
+            "searches" => generate::searches(tables),
+            "commands" => generate::commands(&tables.turtle, layout),
+            "matching" => generate::matching(stage),
+            "successors" => generate::successors(stage, layout),
+            "only_children" => generate::only_children(stage, tuning.points_each()),
+            _ => return None,
+        })
     };
-    let measure = match stage.row.words {
-        0 => None,
-        _ if stage.row.turtle => None,
-        _ => {
-            let constants = format!("{constants}{}", measure_constants(plan, stage));
-            Some(build("measure", &constants, generate::record(&layout, false), edit)?)
-        }
-    };
-    let claim = match stage.claims() {
-        true => {
-            let constants = format!("{}{}", rule_constants(stage), scan_constants(tuning));
-            Some(build("claim", &constants, generate::Text::default(), edit)?)
-        }
-        false => None,
-    };
-    let link = match layout.link {
-        Some(_) => {
-            let mut parts = generate::record(&layout, false);
-            parts.append(generate::ignored(&plan.tables));
-            Some(build("link", &constants, parts, edit)?)
-        }
-        None => None,
-    };
-    Ok(StageShaders {
-        measure,
-        link,
-        turtle,
-        claim,
-        match_modules: build("match_modules", &constants, match_parts, edit)?,
-        count: build("count", &constants, generate::Text::default(), edit)?,
-        emit: build(tuning.emit_kernel(&layout), &constants, emit_parts, edit)?,
-    })
+    build(tuning.kernel(work.pass, layout), &constants, &parts, edit)
 }
 
-/// What finds where the turtle stands.
-fn turtle(plan: &Plan, stage: &Stage, tuning: &Tuning, edit: Option<&Edit>) -> Result<Shader, Error> {
-    let (layout, turtle) = (&plan.tables.layout, &plan.tables.turtle);
-    let linked = layout.link.is_some();
-    let workgroup = format!("const WORKGROUP = {}u;\n", tuning.workgroup);
-    let constants = format!(
-        "{}const QUADS = {}u;\nconst HALO = {}u;\nconst MEASURED = {}u;\nconst BEFORE = {};\n",
-        if linked { workgroup } else { scan_constants(tuning) },
-        layout.record_words / 4,
-        layout.halo(),
-        stage.row.words,
-        turtle.before,
-    );
-    let mut parts = generate::record(layout, false);
-    parts.append(generate::commands(turtle, layout));
-    build(if linked { "turtle_linked" } else { "turtle" }, &constants, parts, edit)
-}
-
-/// The kernels that know only the layout.
-pub struct SharedShaders {
-    pub scan: Shader,
-    pub compact: Shader,
-    pub retire: Shader,
-}
-
-/// Links and validates the kernels that know only the layout.
-pub fn shared(layout: &Layout, tuning: &Tuning) -> Result<SharedShaders, Error> {
-    shared_edited(layout, tuning, None)
-}
-
-/// The same, with a text replaced on purpose.
+/// `scan` and `compact` by themselves.
 #[doc(hidden)]
-pub fn shared_edited(layout: &Layout, tuning: &Tuning, edit: Option<&Edit>) -> Result<SharedShaders, Error> {
-    let nothing = generate::Text::default;
-    Ok(SharedShaders {
-        scan: build("scan", &scan_constants(tuning), nothing(), edit)?,
-        compact: build("compact", &scan_constants(tuning), nothing(), edit)?,
-        retire: build("retire", &layout_constants(layout, tuning), nothing(), edit)?,
-    })
+pub fn scans(tuning: &Tuning, edit: Option<&Edit>) -> Result<[Shader; 2], Error> {
+    let constants = scan_constants(tuning);
+    Ok([build("scan", &constants, NOTHING, edit)?, build("compact", &constants, NOTHING, edit)?])
 }
 
 /// The kernel between the sweeps of a derivation that is recorded.
 #[doc(hidden)]
-pub fn proceed_edited(layout: &Layout, tuning: &Tuning, edit: Option<&Edit>) -> Result<Shader, Error> {
-    let constants = format!(
-        "const WORKGROUP = {}u;\nconst TILE = {}u;\nconst EMIT_NETS = {}u;\n",
-        tuning.workgroup,
-        tuning.tile(),
-        tuning.emit_nets(layout)
-    );
-    build("proceed", &constants, generate::Text::default(), edit)
+pub fn proceed_edited(tuning: &Tuning, edit: Option<&Edit>) -> Result<Shader, Error> {
+    let constants = format!("{}const TILE = {}u;\n", workgroup_constant(tuning), tuning.tile());
+    build("proceed", &constants, NOTHING, edit)
+}
+
+/// The kernel that writes where a turtle starts.
+#[doc(hidden)]
+pub fn start_word_edited(layout: &Layout, edit: Option<&Edit>) -> Result<Shader, Error> {
+    let constants =
+        format!("const QUADS = {}u;\nconst HALO = {}u;\n", layout.record_words / 4, layout.halo());
+    build("start_word", &constants, NOTHING, edit)
 }
 
 /// The kernel that applies a table of stencils.
@@ -301,24 +260,26 @@ pub fn stencil(tuning: &Tuning) -> Result<Shader, Error> {
 /// The same, with a text replaced on purpose.
 #[doc(hidden)]
 pub fn stencil_edited(tuning: &Tuning, edit: Option<&Edit>) -> Result<Shader, Error> {
-    let constants = format!("const WORKGROUP = {}u;\n", tuning.workgroup);
-    build("stencil", &constants, generate::Text::default(), edit)
+    build("stencil", &workgroup_constant(tuning), NOTHING, edit)
 }
 
 /// The kernels that measure the device: `copy` and `expand`.
 pub fn measures(tuning: &Tuning) -> Result<[Shader; 2], Error> {
-    let constants = format!("const WORKGROUP = {}u;\n", tuning.workgroup);
-    Ok([
-        build("copy", &constants, generate::Text::default(), None)?,
-        build("expand", &constants, generate::Text::default(), None)?,
-    ])
+    let constants = workgroup_constant(tuning);
+    Ok([build("copy", &constants, NOTHING, None)?, build("expand", &constants, NOTHING, None)?])
+}
+
+/// Of kernels that import nothing generated.
+const NOTHING: link::Parts = &|_| None;
+
+fn workgroup_constant(tuning: &Tuning) -> String {
+    format!("const WORKGROUP = {}u;\n", tuning.workgroup)
 }
 
 fn layout_constants(layout: &Layout, tuning: &Tuning) -> String {
     format!(
-        "const WORKGROUP = {}u;\nconst QUADS = {}u;\nconst HALO = {}u;\nconst LINK = {}u;\nconst WORD = {}u;\nconst POINTS = {}u;\nconst ROWS = {}u;\nconst COLUMNS = {}u;\n\
-         const LINES = {}u;\nconst NETS = {}u;\n",
-        tuning.workgroup,
+        "const QUADS = {}u;\nconst HALO = {}u;\nconst LINK = {}u;\nconst WORD = {}u;\nconst POINTS = {}u;\nconst ROWS = {}u;\n\
+         const COLUMNS = {}u;\nconst LINES = {}u;\nconst NETS = {}u;\n",
         layout.record_words / 4,
         layout.halo(),
         layout.link.unwrap_or(0),
@@ -333,15 +294,19 @@ fn layout_constants(layout: &Layout, tuning: &Tuning) -> String {
 
 fn stage_constants(plan: &Plan, stage: &Stage, tuning: &Tuning) -> String {
     format!(
-        "{}{}const TRACED = {};\nconst ONLY = {};\nconst EACH = {}u;\nconst CLOSED = {}u;\nconst MEASURED = {}u;\nconst CELLS = {}u;\n",
-        layout_constants(&plan.tables.layout, tuning),
+        "{}const TRACED = {};\nconst BEFORE = {};\nconst ONLY = {};\nconst EACH = {}u;\nconst CLOSED = {}u;\n\
+         const MEASURED = {}u;\nconst CELLS = {}u;\nconst RATIONAL = {};\nconst READS_NETS = {};\nconst VIEW = {}u;\n",
         rule_constants(stage),
         stage.roots,
+        plan.tables.turtle.before,
         generate::only_production(stage).is_some(),
         tuning.points_each(),
         stage.closed.unwrap_or(0),
         stage.row.words,
         generate::cells(stage),
+        plan.rational(),
+        stage.row.reads_nets(),
+        plan.tables.given.view(),
     )
 }
 
@@ -356,21 +321,6 @@ fn rule_constants(stage: &Stage) -> String {
         stage.keep(),
         only_rule_word(stage),
     )
-}
-
-fn measure_constants(plan: &Plan, stage: &Stage) -> String {
-    let mut text = format!(
-        "const RATIONAL = {};\n\
-         const READS_NETS = {};\nconst VIEW = {}u;\n",
-        plan.rational(),
-        stage.row.reads_nets(),
-        plan.tables.given.view()
-    );
-    for (place, measure) in stage.row.places.iter().zip(MEASURES) {
-        let place = place.map_or("NOWHERE".to_string(), |at| format!("{at}u"));
-        text.push_str(&format!("const {} = {place};\n", measure.place));
-    }
-    text
 }
 
 /// The word of all rules that can fire, where it is one; 0 where it is not.
@@ -397,10 +347,10 @@ fn scan_constants(tuning: &Tuning) -> String {
 fn build(
     name: &'static str,
     constants: &str,
-    generated: generate::Text,
+    parts: link::Parts,
     edit: Option<&Edit>,
 ) -> Result<Shader, Error> {
-    let linked = link::link(name, constants, &generated, edit);
+    let linked = link::link(name, constants, parts, edit);
     let module = link::validate(name, &linked)?;
     Ok(Shader { name, source: linked.source, module })
 }

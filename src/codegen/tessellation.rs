@@ -1,7 +1,7 @@
 //! The kernels of a tessellation.
 
-use super::generate::{self, Text};
-use super::{Edit, Error, Shader, Tuning, build, scan_constants};
+use super::generate;
+use super::{Edit, Error, NOTHING, Shader, Tuning, build, scan_constants};
 use crate::plan::placement::Placement;
 use crate::tessellate::Options;
 use crate::tessellate::vertex::{Normal, Position, Tangent, Uv};
@@ -48,11 +48,11 @@ pub fn tessellation_edited(
     edit: Option<&Edit>,
 ) -> Result<TessellationShaders, Error> {
     let constants = constants(what, tuning);
-    let kernel = |name| build(name, &constants, Text::default(), edit);
+    let kernel = |name| build(name, &constants, NOTHING, edit);
     Ok(TessellationShaders {
         begin: kernel("begin")?,
         decide: kernel("decide")?,
-        scan: build("scan", &scan_constants(tuning), Text::default(), edit)?,
+        scan: build("scan", &scan_constants(tuning), NOTHING, edit)?,
         split: kernel("split")?,
         advance: kernel("advance")?,
         mark: kernel("mark")?,
@@ -83,7 +83,8 @@ pub fn vertices(
         placement.map_or(1, |p| p.environment_words() / 4),
         placement.map_or(0, |p| p.seed),
     );
-    build("vertices", &constants, generate::placement(placement), edit)
+    let parts = |part: &str| (part == "displacement").then(|| generate::placement(placement));
+    build("vertices", &constants, &parts, edit)
 }
 
 fn constants(what: &Tessellation, tuning: &Tuning) -> String {

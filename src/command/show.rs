@@ -6,7 +6,6 @@ use super::{Failure, counted, flags, print, say};
 use burgeon::codegen::{self, Tessellation, Tuning};
 use burgeon::language::system::{Axiom, System};
 use burgeon::language::{Diagnostic, Severity};
-use burgeon::plan::derive::StageId;
 use burgeon::plan::tables::RulesOf;
 use burgeon::plan::{Placement, Plan};
 
@@ -57,7 +56,7 @@ fn compiled(source: &Source, system: &System, warnings: &mut Vec<Diagnostic>) ->
                 .hint("write `derive n` for n steps, or a condition that ends it, as in `A(n) : n > 0 -> …`"),
         );
     }
-    for id in stages(&plan) {
+    for id in plan.stages() {
         if let Err(e) = codegen::stage(&plan, id, &Tuning::GPU) {
             let span = e.rule.unwrap_or(system.source.name.span);
             return Err(Wrong::Rules(Diagnostic::error("E0403", span, e.to_string())));
@@ -83,12 +82,6 @@ fn compiled(source: &Source, system: &System, warnings: &mut Vec<Diagnostic>) ->
     }
 }
 
-fn stages(plan: &Plan) -> Vec<StageId> {
-    let sets = plan.tables.rule_sets.iter().enumerate();
-    sets.flat_map(|(rule_set, set)| (0..set.stages.len()).map(move |stage| StageId { rule_set, stage }))
-        .collect()
-}
-
 /// The kernel of the vertices that the placement displaces.
 fn vertices(plan: &Plan, placement: &Placement) -> Result<codegen::Shader, codegen::Error> {
     let (degree, rational) = (plan.tables.layout.degree, plan.rational());
@@ -106,7 +99,7 @@ pub fn wgsl(flags: &flags::Wgsl) -> Result<(), Failure> {
     let mut add = |title: String, shader: &codegen::Shader| {
         text.push_str(&format!("// ---- {} {title}\n\n{}\n", shader.name, shader.source));
     };
-    for id in stages(&plan) {
+    for id in plan.stages() {
         let with = match &plan.tables.rule_sets[id.rule_set].of {
             RulesOf::Groups(groups) => {
                 let names: Vec<&str> = groups.iter().map(|&g| system.groups[g].name.as_str()).collect();
@@ -117,15 +110,7 @@ pub fn wgsl(flags: &flags::Wgsl) -> Result<(), Failure> {
         let of = if with.is_empty() { system.name.clone() } else { format!("{}, rules {with}", system.name) };
         let title = format!("of {of}, stage {}", id.stage + 1);
         let shaders = codegen::stage(&plan, id, &Tuning::GPU).map_err(failed)?;
-        let all = shaders
-            .measure
-            .iter()
-            .chain(&shaders.turtle)
-            .chain(&shaders.link)
-            .chain([&shaders.match_modules])
-            .chain(&shaders.claim)
-            .chain([&shaders.count, &shaders.emit]);
-        for shader in all {
+        for shader in &shaders {
             add(title.clone(), shader);
         }
     }
@@ -133,9 +118,8 @@ pub fn wgsl(flags: &flags::Wgsl) -> Result<(), Failure> {
         let shader = vertices(&plan, placement).map_err(failed)?;
         add(format!("of {}, place {}", system.name, placement.name), &shader);
     }
-    let shared = codegen::shared(&plan.tables.layout, &Tuning::GPU).map_err(failed)?;
-    for shader in [&shared.scan, &shared.compact, &shared.retire] {
-        add("of any system".to_string(), shader);
+    for shader in codegen::shared(&plan, &Tuning::GPU).map_err(failed)? {
+        add("of any system".to_string(), &shader);
     }
     print(&text)
 }

@@ -4,8 +4,9 @@ use super::systems::{Job, Nets, TUNINGS};
 use super::{Case, Compared, Trouble, check};
 use crate::cpu::Cpu;
 use crate::gpu::{self, Engine, Gpu};
+use crate::plan::columns::{Content, Stored};
 use crate::plan::compare::Traced;
-use crate::plan::derive::{Backend, Modules, Outcome, StageId};
+use crate::plan::derive::{Backend, Outcome, StageId};
 use crate::plan::step::Clock;
 
 /// Splits, a part of a split, ε, modules that stay, and modules that are retired.
@@ -25,7 +26,7 @@ const STAGE: StageId = StageId { rule_set: 0, stage: 0 };
 struct Filling<'a> {
     job: &'a Job,
     /// What comes when there is room: the new chunk and the finished one.
-    exact: [Modules; 2],
+    exact: [Content; 2],
     /// Where the children of each module begin, and their number.
     offsets: Vec<u32>,
 }
@@ -34,36 +35,31 @@ impl Filling<'_> {
     fn new(job: &Job) -> Result<Filling<'_>, Trouble> {
         let mut cpu = Cpu::new(&job.plan, 1)?;
         cpu.set_traced();
-        let (records, nets) = job.plan.axiom(&job.axiom, &job.uniforms)?;
-        let chunk = cpu.upload(records, nets)?;
+        let chunk = cpu.upload(job.plan.axiom(&job.axiom, &job.uniforms)?)?;
         let outcome = cpu.step(STAGE, Clock::default(), &chunk, u64::MAX)?;
         let Outcome::Done { next, retired, .. } = outcome else { return Err(Trouble::Stopped) };
         let mut offsets = cpu.trace().offsets.clone();
         if let Some(growth) = STAGE.of(&job.plan).closed {
             offsets = (0..=cpu.len(&chunk) as u32).map(|i| i * growth).collect();
         }
-        let mut read = |chunk: Option<_>| chunk.map_or(Ok(Modules::default()), |c| cpu.read(&c));
+        let mut read = |chunk: Option<_>| chunk.map_or(Ok(Content::default()), |c| cpu.read(&c));
         Ok(Filling { job, exact: [read(next)?, read(retired.map(|r| r.0))?], offsets })
     }
 
     fn needed(&self) -> [usize; 2] {
-        let words = self.job.plan.tables.layout.record_words;
-        [0, 1].map(|n| self.exact[n].0.len() / words)
+        [0, 1].map(|n| self.job.plan.tables.layout.modules(&self.exact[n]))
     }
 
     /// Steps with these capacities; looks at what was said and what was written.
     fn compare(&self, gpu: &mut Gpu, capacity: [usize; 2]) -> Result<Compared, Trouble> {
         let layout = self.job.plan.tables.layout;
-        let (records, nets) = self.job.plan.axiom(&self.job.axiom, &self.job.uniforms)?;
-        let chunk = gpu.upload(records, nets)?;
+        let chunk = gpu.upload(self.job.plan.axiom(&self.job.axiom, &self.job.uniforms)?)?;
         let needed = self.needed();
         let mut target = |n: usize| {
             let modules = needed[n] + BEHIND;
             let (word, float) = UNTOUCHED;
-            gpu.upload(
-                vec![word; modules * layout.record_words],
-                vec![[float; 4]; modules * layout.net_points()],
-            )
+            let records = vec![word; modules * layout.record_words];
+            gpu.upload(Content::of_nets(records, vec![[float; 4]; modules * layout.net_points()]))
         };
         let targets = [target(0)?, target(1)?];
         let [next, finished] = [0, 1].map(|n| (&targets[n], capacity[n]));
@@ -85,7 +81,7 @@ impl Filling<'_> {
         let mut values = 0;
         for (n, pass) in ["emit", "retire"].into_iter().enumerate() {
             let got = gpu.read(&targets[n])?;
-            values += (got.0.len() + 4 * got.1.len()) as u64;
+            values += Stored::ALL.iter().map(|&column| got[column].len() as u64).sum::<u64>();
             self.written(&got, n, written[n]).map_err(|what| wrong(format!("{pass}, {what}")))?;
         }
         gpu.recycle(chunk);
@@ -94,25 +90,24 @@ impl Filling<'_> {
     }
 
     /// So many modules must stand there, and behind them what stood there before.
-    fn written(&self, got: &Modules, n: usize, modules: usize) -> Result<(), String> {
+    fn written(&self, got: &Content, n: usize, modules: usize) -> Result<(), String> {
         let layout = self.job.plan.tables.layout;
-        let (words, points) = (modules * layout.record_words, modules * layout.net_points());
         let exact = &self.exact[n];
-        let (word, float) = UNTOUCHED;
-        let wrong = |what: &str, at: usize, size: usize| Err(format!("{what} of module {}", at / size));
-        if let Some(at) = (0..words).find(|&i| got.0[i] != exact.0[i]) {
-            return wrong("the record", at, layout.record_words);
+        let untouched = |column| match column {
+            Stored::Records => UNTOUCHED.0,
+            Stored::Nets => UNTOUCHED.1.to_bits(),
+        };
+        for column in layout.columns() {
+            let (words, name) = (layout.shape(column).words, column.name());
+            let (got, end) = (&got[column], modules * words);
+            if let Some(at) = (0..end).find(|&i| got[i] != exact[column][i]) {
+                return Err(format!("the {name} of module {}", at / words));
+            }
+            if let Some(at) = (end..got.len()).find(|&i| got[i] != untouched(column)) {
+                return Err(format!("after the end: the {name} of module {}", at / words));
+            }
         }
-        if let Some(at) = (0..points).find(|&i| got.1[i] != exact.1[i]) {
-            return wrong("the net", at, layout.net_points());
-        }
-        if let Some(at) = (words..got.0.len()).find(|&i| got.0[i] != word) {
-            return wrong("behind the end: a record", at, layout.record_words);
-        }
-        match (points..got.1.len()).find(|&i| got.1[i] != [float; 4]) {
-            Some(at) => wrong("behind the end: a net", at, layout.net_points()),
-            None => Ok(()),
-        }
+        Ok(())
     }
 }
 

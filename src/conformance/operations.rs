@@ -7,6 +7,7 @@ use crate::gpu::{Engine, Gpu};
 use crate::language::ops::{Row, TABLE};
 use crate::language::{System, Type, Value};
 use crate::plan::bound::{self, Known};
+use crate::plan::columns::Content;
 use crate::plan::derive::{Backend, Outcome, StageId};
 use crate::plan::layout::Header;
 use crate::plan::step::Clock;
@@ -72,15 +73,15 @@ impl Expressions {
         let layout = tables.layout;
         let records = self.records(modules);
         let nets = vec![[0.0; 4]; modules.len() * layout.net_points()];
-        let chunk = backend.upload(records, nets)?;
+        let chunk = backend.upload(Content::of_nets(records, nets))?;
         let outcome = backend.step(StageId { rule_set: 0, stage: 0 }, clock, &chunk, u64::MAX)?;
         // Whatever else comes is no value at all, which no comparison takes for one.
         let Outcome::Done { next: Some(next), .. } = outcome else { return Ok(Vec::new()) };
-        let (records, _) = backend.read(&next)?;
+        let content = backend.read(&next)?;
         let types = self.list.iter().map(|e| &e.1).zip(&tables.symbols[1].words);
         let values =
             |record: &[u32]| types.clone().map(|(ty, &at)| Value::from_words(ty, &record[at..])).collect();
-        Ok(records.chunks_exact(layout.record_words).map(values).collect())
+        Ok(content.records().chunks_exact(layout.record_words).map(values).collect())
     }
 
     /// The values on the CPU.

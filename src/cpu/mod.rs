@@ -10,6 +10,7 @@ pub mod count;
 pub mod emit;
 pub mod emit_word;
 pub mod expand;
+pub mod join;
 mod lanes;
 pub mod link;
 pub mod match_modules;
@@ -20,32 +21,32 @@ pub mod retire;
 pub mod scan;
 pub mod stencil;
 mod sums;
+mod sweep;
 pub mod tessellate;
 pub mod turtle;
 pub mod turtle_linked;
 
 use crate::language::expr::Value;
+use crate::plan::columns::{Content, Stored};
 use crate::plan::compare::{Replay, Trace, Traced, UNTRACED};
-use crate::plan::derive::{self, Backend, Derived, Modules, Options, Outcome, StageId, Start};
-use crate::plan::edges;
+use crate::plan::derive::{self, Backend, Derived, Options, Outcome, StageId, Start};
 use crate::plan::given::Given;
-use crate::plan::layout::{END, Layout};
+use crate::plan::layout::Layout;
 use crate::plan::links::Links;
 use crate::plan::step::{Clock, Status};
-use crate::plan::tables::Stage;
 use crate::plan::{Error, Plan};
 use std::collections::HashMap;
 use std::sync::Arc;
+use sweep::{Carried, Columns, Sweep};
 
 /// Modules that one task of a pass works on.
 pub const BLOCK: usize = 1024;
 
-/// Records, with those beside them, and nets of a chunk. The vectors come from a pool and may be longer than the chunk.
+/// The columns of a chunk, records with those beside them. The vectors come from a pool and may be longer than the chunk.
 pub struct Chunk {
-    records: Vec<u32>,
-    nets: Vec<[f32; 4]>,
+    columns: [Vec<u32>; Stored::COUNT],
     len: usize,
-    /// Modules of a curve's word before it, and from its first to the end.
+    /// Modules of the word before it, and from its first to the end, where modules have neighbours.
     before: usize,
     behind: usize,
 }
@@ -60,46 +61,9 @@ pub struct Cpu {
     pool: Pool,
     trace: Option<Trace>,
     columns: Columns,
-    /// The column of the measured attributes.
-    attributes: Vec<u32>,
     /// What the chunk before left for this one, and what this one leaves: a chunk may be done again.
     entered: Carried,
     left: Carried,
-    /// What contexts see in a linked word, kept for the next.
-    links: Links,
-}
-
-/// What goes from a chunk of a curve's word to the next.
-#[derive(Clone, Copy, Default)]
-struct Carried {
-    /// Modules that a rule has claimed.
-    claimed: u32,
-    /// Modules of the new word so far.
-    made: u32,
-    /// Where the turtle stands.
-    turtle: motion::Motion,
-}
-
-/// One sweep of the passes over a chunk.
-#[derive(Clone, Copy)]
-struct Sweep<'c> {
-    id: StageId,
-    clock: Clock,
-    chunk: &'c Chunk,
-    room: u64,
-    /// What another backend measured and matched, to be done again with it.
-    replayed: Option<&'c Trace>,
-}
-
-/// Columns that live for one sweep, kept for the next.
-#[derive(Default)]
-struct Columns {
-    rules: Vec<u32>,
-    counts: Vec<u32>,
-    offsets: Vec<u32>,
-    retired: Vec<u32>,
-    /// What the children of a linked word hang on.
-    hangs: Vec<u32>,
 }
 
 impl Cpu {
@@ -121,122 +85,77 @@ impl Cpu {
             pool: Pool { layout: plan.tables.layout, chunks: Vec::new() },
             trace: None,
             columns: Columns::default(),
-            attributes: Vec::new(),
             entered: Carried::default(),
             left: Carried::default(),
-            links: Links::default(),
         })
     }
 
+    /// One sweep of the passes over a chunk, with what another backend measured and matched if that is given.
     fn sweep(
         &mut self,
-        sweep: Sweep,
-        environment: &[u32],
-        columns: &mut Columns,
-        attributes: &mut Vec<u32>,
+        id: StageId,
+        clock: Clock,
+        chunk: &Chunk,
+        room: u64,
+        replayed: Option<&Trace>,
     ) -> Outcome<Chunk> {
-        let Sweep { id, clock, chunk, room, replayed } = sweep;
-        let plan = self.plan.clone();
-        let stage: &Stage = id.of(&plan);
-        let layout = plan.tables.layout;
-        let n = chunk.len;
-        let nets = &chunk.nets[..n * layout.net_points()];
-        let tables = &plan.tables;
-        if layout.link.is_some() {
-            link::link(&layout, chunk.own(&layout), &tables.ignored, stage.sees_branches(), &mut self.links);
-        }
-        let mut input = program::Input {
-            records: chunk.own(&layout),
-            window: &chunk.records,
-            first: layout.halo(),
-            behind: chunk.behind,
-            layout,
-            environment,
-            given: &self.given.words,
-            measured: &[],
-            measured_words: stage.row.words,
-            offsets: &[],
-            made: self.entered.made,
+        let environment = match self.environments.remove(&id) {
+            Some(environment) => environment,
+            None => self.plan.environment(id.of(&self.plan), &self.uniforms, &self.given),
+        };
+        let (plan, module_bytes) = (self.plan.clone(), self.plan.tables.layout.module_bytes());
+        let mut sweep = Sweep {
+            plan: &plan,
+            id,
             clock,
-            linked: tables.linked(chunk.own(&layout), &self.links),
-            hangs: &[],
+            chunk,
+            environment: &environment,
+            given: &self.given,
+            threads: &self.threads,
+            replayed,
+            columns: &mut self.columns,
+            entered: self.entered,
+            left: self.left,
+            status: Status::default(),
+            next: None,
+            finished: None,
         };
-        if let Some(trace) = replayed {
-            attributes.extend(&trace.attributes);
-        } else if stage.row.turtle {
-            attributes.resize(n * stage.row.words, 0);
-            let (turtle, state) = (&tables.turtle, self.entered.turtle);
-            if layout.link.is_some() {
-                turtle_linked::turtle_linked(turtle, &layout, input.records, attributes);
-            } else {
-                let state = || turtle::turtle(turtle, &layout, input.records, state, attributes);
-                self.left.turtle = self.threads.install(state);
-            }
-        } else if stage.row.words > 0 {
-            attributes.resize(n * stage.row.words, 0);
-            let view = tables.given.view();
-            let rational = plan.rational();
-            self.threads.install(|| measure::measure(&stage.row, &input, nets, rational, view, attributes));
-        }
-        input.measured = attributes;
-        let (total, retired, status) = match stage.closed {
-            Some(growth) => (n * growth as usize, 0, Status { fired: 1, ..Status::default() }),
-            None => {
-                let mut claimed = self.entered.claimed;
-                let filled = self.threads.install(|| columns.fill(stage, &input, n, replayed, &mut claimed));
-                self.left.claimed = claimed;
-                filled
-            }
-        };
-        if status.too_deep != 0 {
-            return Outcome::TooDeep;
-        }
-        self.left.made = self.entered.made.wrapping_add(total as u32);
+        let (total, retired) = sweep.count();
         let modules = (total + retired) as u64;
-        if modules * layout.module_bytes() > room {
-            return Outcome::NoRoom { needed: modules * layout.module_bytes(), modules };
-        }
-        if let Some(word) = &input.linked {
-            let Columns { rules, offsets, hangs, .. } = &mut *columns;
-            link::rehang(word, &stage.rule_words(), rules, offsets, stage.roots, hangs);
-        }
-        let columns = &*columns;
-        (input.offsets, input.hangs) = (&columns.offsets, &columns.hangs);
-        let mut next = take_if(total, || self.pool.take(total));
-        let mut finished = take_if(retired, || self.pool.take(retired));
-        let fits = next.as_mut().is_none_or(|next| {
-            if layout.is_curve() {
-                let (rules, offsets) = (&columns.rules, &columns.offsets);
-                emit_word::emit_word(&self.threads, stage, &input, rules, offsets, next.own_mut(&layout));
-                return true;
+        let outcome = if sweep.status.too_deep != 0 {
+            Outcome::TooDeep
+        } else if modules * module_bytes > room {
+            Outcome::NoRoom { needed: modules * module_bytes, modules }
+        } else {
+            [sweep.next, sweep.finished] = [total, retired].map(|len| (len > 0).then(|| self.pool.take(len)));
+            sweep.write();
+            let retired = sweep.finished.take().map(|chunk| (chunk, sweep.status.retired_symbols));
+            match sweep.status.too_deep {
+                0 => Outcome::Done { next: sweep.next.take(), retired, fired: sweep.status.fired != 0 },
+                _ => Outcome::TooDeep,
             }
-            let out = emit::Output {
-                records: &mut next.records[..total * layout.record_words],
-                nets: &mut next.nets[..total * layout.net_points()],
-            };
-            emit::emit(&self.threads, stage, &input, nets, &columns.rules, &columns.offsets, out)
-        });
-        if let Some(out) = &mut finished {
-            let retire = || retire::retire(&input, nets, &columns.retired, &mut out.records, &mut out.nets);
-            self.threads.install(retire);
+        };
+        self.left = sweep.left;
+        if let Some(trace) = &mut self.trace {
+            *trace = self.columns.trace();
         }
-        if !fits {
-            return Outcome::TooDeep;
-        }
-        let retired = finished.map(|c| (c, status.retired_symbols));
-        Outcome::Done { next, retired, fired: status.fired != 0 }
+        self.environments.insert(id, environment);
+        outcome
     }
 }
 
 impl Chunk {
     fn size(&self) -> usize {
-        self.records.len() + 4 * self.nets.len()
+        self.columns.iter().map(Vec::len).sum()
     }
-    fn own(&self, layout: &Layout) -> &[u32] {
-        &self.records[layout.halo() * layout.record_words..][..self.len * layout.record_words]
+    /// A column without what stands beside the chunk.
+    fn own(&self, layout: &Layout, column: Stored) -> &[u32] {
+        let shape = layout.shape(column);
+        &self.columns[column as usize][shape.halo * shape.words..][..self.len * shape.words]
     }
-    fn own_mut(&mut self, layout: &Layout) -> &mut [u32] {
-        &mut self.records[layout.halo() * layout.record_words..][..self.len * layout.record_words]
+    fn own_mut(&mut self, layout: &Layout, column: Stored) -> &mut [u32] {
+        let shape = layout.shape(column);
+        &mut self.columns[column as usize][shape.halo * shape.words..][..self.len * shape.words]
     }
 }
 
@@ -249,17 +168,13 @@ struct Pool {
 impl Pool {
     /// A chunk with room for `len` modules; what it holds is anything.
     fn take(&mut self, len: usize) -> Chunk {
-        let beside = 2 * self.layout.halo();
-        let (words, points) = ((len + beside) * self.layout.record_words, len * self.layout.net_points());
-        let fits = |c: &Chunk| c.records.len() >= words && c.nets.len() >= points;
+        let words = Stored::ALL.map(|column| self.layout.shape(column).chunk_words(len));
+        let fits = |c: &Chunk| c.columns.iter().zip(words).all(|(column, words)| column.len() >= words);
         let smallest =
             (0..self.chunks.len()).filter(|&i| fits(&self.chunks[i])).min_by_key(|&i| self.chunks[i].size());
         match smallest {
             Some(i) => Chunk { len, ..self.chunks.swap_remove(i) },
-            None => {
-                let (records, nets) = (vec![0; words], vec![[0.0; 4]; points]);
-                Chunk { records, nets, len, before: 0, behind: len }
-            }
+            None => Chunk { columns: words.map(|words| vec![0; words]), len, before: 0, behind: len },
         }
     }
 
@@ -270,52 +185,6 @@ impl Pool {
             let least = (0..self.chunks.len()).min_by_key(|&i| self.chunks[i].size()).unwrap_or(0);
             self.chunks.swap_remove(least);
         }
-    }
-}
-
-fn take_if(len: usize, take: impl FnOnce() -> Chunk) -> Option<Chunk> {
-    (len > 0).then(take)
-}
-
-impl Columns {
-    /// match → count → scan, and compact: how many modules come, how many are retired, what the
-    /// chunk says.
-    fn fill(
-        &mut self,
-        stage: &Stage,
-        input: &program::Input,
-        n: usize,
-        replayed: Option<&Trace>,
-        claimed: &mut u32,
-    ) -> (usize, usize, Status) {
-        self.rules.resize(n, 0);
-        self.counts.resize(n, 0);
-        self.offsets.resize(n + 1, 0);
-        let words = stage.rule_words();
-        let status = match replayed {
-            None => match_modules::match_modules(stage, &words, input, &mut self.rules),
-            Some(trace) => {
-                self.rules.copy_from_slice(&trace.rules);
-                match_modules::status(stage, &words, input, &self.rules)
-            }
-        };
-        if stage.claims() {
-            *claimed = claim::claim(&words, stage.retired(), *claimed, &mut self.rules);
-        }
-        count::count(&words, &self.rules, &mut self.counts);
-        scan::scan(&self.counts, &mut self.offsets);
-        if stage.may_retire() {
-            compact::compact(&self.rules, stage.retired(), &mut self.retired);
-        }
-        (self.offsets[n] as usize, self.retired.len(), status)
-    }
-
-    fn clear(&mut self) {
-        self.rules.clear();
-        self.counts.clear();
-        self.offsets.clear();
-        self.retired.clear();
-        self.hangs.clear();
     }
 }
 
@@ -334,70 +203,54 @@ impl Backend for Cpu {
         Ok(())
     }
 
-    fn upload(&mut self, records: Vec<u32>, nets: Vec<[f32; 4]>) -> Result<Chunk, Error> {
+    fn upload(&mut self, mut content: Content) -> Result<Chunk, Error> {
         let layout = &self.plan.tables.layout;
-        let len = records.len() / layout.record_words;
-        if !layout.is_curve() {
-            return Ok(Chunk { records, nets, len, before: 0, behind: len });
+        let len = layout.modules(&content);
+        if layout.halo() == 0 {
+            let columns = Stored::ALL.map(|column| std::mem::take(&mut content[column]));
+            return Ok(Chunk { columns, len, before: 0, behind: len });
         }
         let mut chunk = self.pool.take(len);
-        chunk.own_mut(layout).copy_from_slice(&records);
+        for column in layout.columns() {
+            chunk.own_mut(layout, column).copy_from_slice(&content[column]);
+        }
         Ok(chunk)
     }
 
-    fn read(&mut self, chunk: &Chunk) -> Result<Modules, Error> {
+    fn read(&mut self, chunk: &Chunk) -> Result<Content, Error> {
         let layout = &self.plan.tables.layout;
-        Ok((chunk.own(layout).to_vec(), chunk.nets[..chunk.len * layout.net_points()].to_vec()))
+        let mut content = Content::default();
+        for column in layout.columns() {
+            content[column] = chunk.own(layout, column).to_vec();
+        }
+        Ok(content)
     }
 
     fn len(&self, chunk: &Chunk) -> usize {
         chunk.len
     }
 
-    /// 128 MiB of nets, as on a GPU with default limits: smaller chunks are freed earlier.
+    /// 128 MiB of the widest column, as on a GPU with default limits: smaller chunks are freed earlier.
     fn most_modules(&self) -> usize {
-        let layout = &self.plan.tables.layout;
-        (128 << 20) / layout.net_bytes().max(layout.record_bytes()) as usize - 2 * layout.halo()
+        self.plan.tables.layout.most_modules(128 << 20) as usize
     }
 
     fn split(&mut self, chunk: Chunk, most: usize) -> Result<Vec<Chunk>, Error> {
         let layout = &self.plan.tables.layout;
-        let (words, points) = (layout.record_words, layout.net_points());
         let piece = |start: usize| {
             let len = most.min(chunk.len - start);
-            // With as many records on either side, which are not yet those that stand there.
-            let end = start + len + 2 * layout.halo();
-            Chunk {
-                records: chunk.records[start * words..end * words].to_vec(),
-                nets: chunk.nets[start * points..(start + len) * points].to_vec(),
-                len,
-                before: 0,
-                behind: len,
-            }
+            // With as many elements on either side, which are not yet those that stand there.
+            let part = |column: Stored| {
+                let shape = layout.shape(column);
+                chunk.columns[column as usize][start * shape.words..][..shape.chunk_words(len)].to_vec()
+            };
+            Chunk { columns: Stored::ALL.map(part), len, before: 0, behind: len }
         };
         Ok((0..chunk.len).step_by(most).map(piece).collect())
     }
 
-    fn join(&mut self, mut chunks: Vec<Chunk>, ring: bool) -> Result<Vec<Chunk>, Error> {
-        let layout = self.plan.tables.layout;
-        let (words, halo) = (layout.record_words, layout.halo());
-        let lengths: Vec<usize> = chunks.iter().map(|chunk| chunk.len).collect();
-        for (n, edges) in edges::edges(&lengths, ring).into_iter().enumerate() {
-            for (k, edge) in edges.into_iter().enumerate().filter(|_| halo > 0) {
-                let mut record = vec![0; words];
-                match edge {
-                    Some((chunk, module)) => {
-                        record.copy_from_slice(&chunks[chunk].own(&layout)[module * words..][..words]);
-                    }
-                    None => record[0] = END,
-                }
-                let at = if k < halo { k } else { lengths[n] + k };
-                chunks[n].records[at * words..][..words].copy_from_slice(&record);
-            }
-            chunks[n].before = lengths[..n].iter().sum();
-            chunks[n].behind = lengths[n..].iter().sum();
-        }
-        Ok(chunks)
+    fn join(&mut self, chunks: Vec<Chunk>, ring: bool) -> Result<Vec<Chunk>, Error> {
+        Ok(join::join(&self.plan.tables.layout, chunks, ring))
     }
 
     fn recycle(&mut self, chunk: Chunk) {
@@ -410,35 +263,7 @@ impl Backend for Cpu {
 
     fn step(&mut self, id: StageId, clock: Clock, chunk: &Chunk, room: u64) -> Result<Outcome<Chunk>, Error> {
         self.entered = if chunk.before == 0 { Carried::default() } else { self.left };
-        Ok(self.step_as(Sweep { id, clock, chunk, room, replayed: None }))
-    }
-}
-
-impl Cpu {
-    fn step_as(&mut self, sweep: Sweep) -> Outcome<Chunk> {
-        let id = sweep.id;
-        let environment = match self.environments.remove(&id) {
-            Some(environment) => environment,
-            None => self.plan.environment(id.of(&self.plan), &self.uniforms, &self.given),
-        };
-        let mut columns = std::mem::take(&mut self.columns);
-        let mut attributes = std::mem::take(&mut self.attributes);
-        columns.clear();
-        attributes.clear();
-        let outcome = self.sweep(sweep, &environment, &mut columns, &mut attributes);
-        if let Some(trace) = &mut self.trace {
-            *trace = Trace {
-                attributes: attributes.clone(),
-                rules: columns.rules.clone(),
-                counts: columns.counts.clone(),
-                offsets: columns.offsets.clone(),
-                retired: columns.retired.clone(),
-            };
-        }
-        self.columns = columns;
-        self.attributes = attributes;
-        self.environments.insert(id, environment);
-        outcome
+        Ok(self.sweep(id, clock, chunk, room, None))
     }
 }
 
@@ -453,10 +278,10 @@ impl Traced for Cpu {
 
 impl Replay for Cpu {
     fn window(&self, chunk: &Chunk) -> Vec<u32> {
-        chunk.records.clone()
+        chunk.columns[Stored::Records as usize].clone()
     }
     fn links(&self) -> Links {
-        self.links.clone()
+        self.columns.links.clone()
     }
     fn around(&self, chunk: &Chunk) -> [usize; 2] {
         [chunk.before, chunk.behind]
@@ -469,7 +294,7 @@ impl Replay for Cpu {
         room: u64,
         trace: &Trace,
     ) -> Result<Outcome<Chunk>, Error> {
-        Ok(self.step_as(Sweep { id: stage, clock, chunk, room, replayed: Some(trace) }))
+        Ok(self.sweep(stage, clock, chunk, room, Some(trace)))
     }
     fn environment(&self, stage: StageId) -> Vec<u32> {
         self.plan.environment(stage.of(&self.plan), &self.uniforms, &self.given)

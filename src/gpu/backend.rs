@@ -2,42 +2,50 @@
 //! stands in `sweep.rs`.
 
 use super::buffers::{self, Pool, Pooled};
-use super::kernels::{self, SharedKernels, StageKernels};
+use super::kernels::{self, Kernels};
 use super::sweep::Sweep;
-use super::turtle::Turtle;
 use super::{Engine, Error};
 use crate::language::expr::Value;
 use crate::plan::Plan;
+use crate::plan::columns::{Content, Stored};
 use crate::plan::compare::{Trace, Traced, UNTRACED};
-use crate::plan::derive::{self, Backend, Derived, Modules, Options, Outcome, StageId, Start};
+use crate::plan::derive::{self, Backend, Derived, Options, Outcome, StageId, Start};
 use crate::plan::edges;
 use crate::plan::given::Given;
 use crate::plan::layout::{END, HALO, Layout};
+use crate::plan::program::{self, Length};
 use crate::plan::step::{Clock, Status};
-use std::collections::HashMap;
+use crate::plan::turtle::MOTION_WORDS;
 use std::sync::Arc;
 
-/// Records and nets of a chunk, on the device.
+/// The columns of a chunk, on the device.
 #[derive(Debug)]
 pub struct GpuChunk {
-    records: Pooled,
-    nets: Pooled,
+    columns: [Option<Pooled>; Stored::COUNT],
     pub(super) len: usize,
     /// No net in it was halved more often along one direction.
     pub(super) halvings: u32,
-    /// Modules of a curve's word before it, and from its first to the end.
+    /// Modules of the word before it, and from its first to the end, where modules have neighbours.
     pub(super) before: usize,
     pub(super) behind: usize,
 }
 
 impl GpuChunk {
-    /// The buffer of records: [`Layout::record_bytes`] each.
-    pub fn records(&self) -> &wgpu::Buffer {
-        &self.records.buffer
+    /// The buffer of records: [`Layout::record_bytes`] each, after those of [`Layout::halo`] modules.
+    pub fn records(&self) -> Option<&wgpu::Buffer> {
+        self.column(Stored::Records)
     }
-    /// The buffer of nets: [`Layout::net_bytes`] each.
-    pub fn nets(&self) -> &wgpu::Buffer {
-        &self.nets.buffer
+    /// The buffer of nets, where modules have any: [`Layout::net_bytes`] each.
+    pub fn nets(&self) -> Option<&wgpu::Buffer> {
+        self.column(Stored::Nets)
+    }
+    /// Those that there are.
+    pub(super) fn buffers(&self) -> impl Iterator<Item = (Stored, &wgpu::Buffer)> {
+        Stored::ALL.into_iter().filter_map(|column| Some((column, self.column(column)?)))
+    }
+    /// The buffer of a column; none of those that the word has not.
+    pub fn column(&self, column: Stored) -> Option<&wgpu::Buffer> {
+        self.columns[column as usize].as_ref().map(|pooled| &pooled.buffer)
     }
 }
 
@@ -49,19 +57,29 @@ pub struct Gpu {
     pub(super) given: Given,
     /// The values given, then the measured attributes of a chunk.
     pub(super) attributes: wgpu::Buffer,
-    pub(super) stages: HashMap<StageId, StageKernels>,
-    pub(super) shared: SharedKernels,
+    pub(super) kernels: Kernels,
     pub(super) pool: Pool,
-    /// Extents at multiples of 256 bytes: of the first submission, of emit, of retire.
+    /// Extents at multiples of 256 bytes: of the passes that count, of those that write, of retire.
     pub(super) extents: wgpu::Buffer,
     pub(super) status: wgpu::Buffer,
+    /// Where the turtle stands after the chunk before.
+    pub(super) carried: wgpu::Buffer,
+    /// Bound where a pass reads a column that nothing has written, and does not look at it.
+    pub(super) nothing: wgpu::Buffer,
     pub(super) staging: wgpu::Buffer,
     pub(super) trace: Option<Trace>,
     /// Modules of the next chunk that a rule of the last has claimed.
     pub(super) claimed: u32,
     /// Modules that the chunks before have become.
     pub(super) made: u32,
-    pub(super) turtle: Turtle,
+}
+
+/// What a device calls a column.
+pub(super) fn label(column: Stored) -> &'static str {
+    match column {
+        Stored::Records => "burgeon records",
+        Stored::Nets => "burgeon nets",
+    }
 }
 
 /// Where the extents stand.
@@ -81,12 +99,11 @@ impl Gpu {
             let uniform = wgpu::BufferUsages::UNIFORM;
             let extents = buffers::make(engine, "burgeon extents", 3 * EXTENT_STRIDE, uniform)?;
             Ok(Gpu {
-                shared: SharedKernels::new(engine, &plan.tables.layout)?,
+                kernels: Kernels::new(engine),
                 plan: Arc::new(plan.clone()),
                 uniforms: plan.defaults(),
                 given: Given::default(),
                 attributes: buffers::storage(engine, "burgeon attributes", 16)?,
-                stages: HashMap::new(),
                 pool: Pool::default(),
                 extents,
                 status: buffers::storage(engine, "burgeon status", STATUS_BYTES)?,
@@ -94,7 +111,8 @@ impl Gpu {
                 trace: None,
                 claimed: 0,
                 made: 0,
-                turtle: Turtle::new(engine)?,
+                carried: buffers::storage(engine, "burgeon turtle", MOTION_WORDS as u64 * 4)?,
+                nothing: buffers::storage(engine, "burgeon nothing", 16)?,
                 engine: engine.clone(),
             })
         })
@@ -106,24 +124,19 @@ impl Gpu {
     /// # Errors
     /// What the device says.
     pub fn compile(&mut self) -> Result<(), Error> {
-        for (rule_set, set) in self.plan.clone().tables.rule_sets.iter().enumerate() {
-            for stage in 0..set.stages.len() {
-                self.compile_stage(StageId { rule_set, stage })?;
-            }
-        }
-        Ok(())
+        self.plan.stages().into_iter().try_for_each(|id| self.compile_stage(id))
     }
 
     pub(super) fn compile_stage(&mut self, id: StageId) -> Result<(), Error> {
-        if self.stages.contains_key(&id) {
+        if self.kernels.has(id) {
             return Ok(());
         }
         let environment = self.plan.environment(id.of(&self.plan), &self.uniforms, &self.given);
         let engine = self.engine.clone();
-        let kernels = engine
-            .checked("compiling kernels", || StageKernels::new(&engine, &self.plan, id, &environment))?;
-        self.stages.insert(id, kernels);
-        Ok(())
+        engine.checked("compiling kernels", || {
+            let plan = self.plan.clone();
+            self.kernels.compile(&plan, id, &environment, id.of(&plan).program.works())
+        })
     }
 
     pub(super) fn layout(&self) -> Layout {
@@ -133,14 +146,16 @@ impl Gpu {
     /// A chunk with room for `len` modules; what it holds is anything.
     pub(super) fn take(&mut self, len: usize, halvings: u32) -> Result<GpuChunk, Error> {
         let layout = self.layout();
-        let records = self.pool.take(&self.engine, "burgeon records", layout.chunk_bytes(len as u64))?;
-        let nets = self.pool.take(&self.engine, "burgeon nets", len as u64 * layout.net_bytes())?;
-        Ok(GpuChunk { records, nets, len, halvings, before: 0, behind: len })
+        let mut columns = [const { None }; Stored::COUNT];
+        for column in layout.columns() {
+            let bytes = layout.shape(column).chunk_bytes(len as u64);
+            columns[column as usize] = Some(self.pool.take(&self.engine, label(column), bytes)?);
+        }
+        Ok(GpuChunk { columns, len, halvings, before: 0, behind: len })
     }
 
     fn give(&mut self, chunk: GpuChunk) {
-        self.pool.give(chunk.records);
-        self.pool.give(chunk.nets);
+        chunk.columns.into_iter().flatten().for_each(|column| self.pool.give(column));
     }
 
     pub(super) fn encoder(&self, label: &'static str) -> wgpu::CommandEncoder {
@@ -166,46 +181,58 @@ impl Backend for Gpu {
                 self.attributes = buffers::storage(&self.engine, "burgeon attributes", bytes)?;
             }
             self.write_given();
-            for (id, kernels) in &self.stages {
-                let words = self.plan.environment(id.of(&self.plan), &self.uniforms, given);
-                engine.queue.write_buffer(&kernels.environment, 0, bytemuck::cast_slice(&words));
-            }
+            let words = |id: StageId| self.plan.environment(id.of(&self.plan), &self.uniforms, given);
+            self.kernels.set_environments(words);
             Ok(())
         })
     }
 
-    fn upload(&mut self, records: Vec<u32>, nets: Vec<[f32; 4]>) -> Result<GpuChunk, Error> {
-        let len = records.len() / self.layout().record_words;
+    fn upload(&mut self, content: Content) -> Result<GpuChunk, Error> {
+        let layout = self.layout();
         let engine = self.engine.clone();
         engine.checked("uploading the axiom", || {
-            let chunk = self.take(len, 0)?;
-            let at = self.layout().halo_bytes();
-            engine.queue.write_buffer(chunk.records(), at, bytemuck::cast_slice(&records));
-            engine.queue.write_buffer(chunk.nets(), 0, bytemuck::cast_slice(&nets));
+            let chunk = self.take(layout.modules(&content), 0)?;
+            for (column, buffer) in chunk.buffers() {
+                let at = layout.shape(column).halo_bytes();
+                engine.queue.write_buffer(buffer, at, bytemuck::cast_slice(&content[column]));
+            }
             Ok(chunk)
         })
     }
 
-    fn read(&mut self, chunk: &GpuChunk) -> Result<Modules, Error> {
-        let (layout, len) = (self.layout(), chunk.len as u64);
-        let (at, bytes) = (layout.halo_bytes(), len * layout.record_bytes());
-        let records = buffers::read_from(&self.engine, "reading records", chunk.records(), at, bytes)?;
-        let nets = buffers::read(&self.engine, "reading nets", chunk.nets(), len * layout.net_bytes())?;
-        Ok((records, nets))
+    fn read(&mut self, chunk: &GpuChunk) -> Result<Content, Error> {
+        let layout = self.layout();
+        let mut content = Content::default();
+        for (column, buffer) in chunk.buffers() {
+            let shape = layout.shape(column);
+            let (at, bytes) = (shape.halo_bytes(), chunk.len as u64 * shape.bytes());
+            content[column] = buffers::read_from(&self.engine, "reading a word", buffer, at, bytes)?;
+        }
+        Ok(content)
     }
 
     fn len(&self, chunk: &GpuChunk) -> usize {
         chunk.len
     }
 
+    /// What fits into one binding, of the columns of the word and of those that its passes write.
     fn most_modules(&self) -> usize {
-        let most = self.engine.device.limits().max_storage_buffer_binding_size;
-        let row = self.plan.tables.most_measured() as u64 * 4;
-        let given = self.given.words.len() as u64 * 4;
-        let by_attributes = (most - given.min(most)).checked_div(row).unwrap_or(u64::MAX);
-        let layout = self.layout();
-        let modules = most / layout.net_bytes().max(layout.record_bytes()) - 2 * layout.halo() as u64;
-        modules.min(by_attributes).min(self.most_turtle(most)) as usize
+        let binding = self.engine.device.limits().max_storage_buffer_binding_size;
+        let (plan, tile) = (&self.plan, u64::from(self.engine.tuning.tile()));
+        let mut most = self.layout().most_modules(binding);
+        for stage in plan.stages().into_iter().map(|id| id.of(plan)) {
+            let written = stage.program.works().flat_map(|work| &work.bindings).filter(|bound| bound.1);
+            for size in written.filter_map(|bound| program::size(bound.0, stage, self.given.words.len())) {
+                let room = binding.saturating_sub(4 * size.more as u64);
+                let elements = room.checked_div(4 * size.words as u64).unwrap_or(u64::MAX);
+                most = most.min(match size.of {
+                    Length::Each(_) => elements,
+                    Length::Tiles(_) => elements.saturating_mul(tile),
+                    Length::One => u64::MAX,
+                });
+            }
+        }
+        most as usize
     }
 
     fn split(&mut self, chunk: GpuChunk, most: usize) -> Result<Vec<GpuChunk>, Error> {
@@ -216,16 +243,15 @@ impl Backend for Gpu {
             let mut pieces = Vec::new();
             for start in (0..chunk.len).step_by(most) {
                 let piece = self.take(most.min(chunk.len - start), chunk.halvings)?;
-                for (from, to, bytes, halo) in [
-                    (chunk.records(), piece.records(), layout.record_bytes(), layout.halo_bytes()),
-                    (chunk.nets(), piece.nets(), layout.net_bytes(), 0),
-                ] {
+                for ((column, from), (_, to)) in chunk.buffers().zip(piece.buffers()) {
+                    let shape = layout.shape(column);
+                    let (at, halo) = (start as u64 * shape.bytes(), shape.halo_bytes());
                     encoder.copy_buffer_to_buffer(
                         from,
-                        halo + start as u64 * bytes,
+                        halo + at,
                         to,
                         halo,
-                        piece.len as u64 * bytes,
+                        piece.len as u64 * shape.bytes(),
                     );
                 }
                 pieces.push(piece);
@@ -242,6 +268,8 @@ impl Backend for Gpu {
         engine.checked("joining chunks", || {
             let layout = self.layout();
             let (bytes, halo) = (layout.record_bytes(), HALO as u64);
+            let before = layout.shape(Stored::Records).halo_bytes();
+            let records: Vec<&wgpu::Buffer> = chunks.iter().filter_map(GpuChunk::records).collect();
             let lengths: Vec<usize> = chunks.iter().map(|chunk| chunk.len).collect();
             let beside = 2 * halo * bytes;
             let gathered = self.pool.take(&engine, "burgeon edges", beside * chunks.len() as u64)?;
@@ -261,17 +289,17 @@ impl Backend for Gpu {
                     // Records that follow each other there as they do here, in one piece.
                     let follows = |run: &usize| edges.get(k + run) == Some(&Some((chunk, module + run)));
                     let run = (1..edges.len() - k).take_while(follows).count() + 1;
-                    let from = layout.halo_bytes() + module as u64 * bytes;
-                    let records = chunks[chunk].records();
-                    encoder.copy_buffer_to_buffer(records, from, &gathered.buffer, at, run as u64 * bytes);
+                    let from = before + module as u64 * bytes;
+                    let (records, gathered) = (records[chunk], &gathered.buffer);
+                    encoder.copy_buffer_to_buffer(records, from, gathered, at, run as u64 * bytes);
                     k += run;
                 }
             }
             for (n, chunk) in chunks.iter().enumerate() {
                 let (at, half) = (n as u64 * beside, halo * bytes);
-                let end = layout.halo_bytes() + chunk.len as u64 * bytes;
-                encoder.copy_buffer_to_buffer(&gathered.buffer, at, chunk.records(), 0, half);
-                encoder.copy_buffer_to_buffer(&gathered.buffer, at + half, chunk.records(), end, half);
+                let end = before + chunk.len as u64 * bytes;
+                encoder.copy_buffer_to_buffer(&gathered.buffer, at, records[n], 0, half);
+                encoder.copy_buffer_to_buffer(&gathered.buffer, at + half, records[n], end, half);
             }
             engine.queue.submit([encoder.finish()]);
             self.pool.give(gathered);
@@ -304,13 +332,7 @@ impl Backend for Gpu {
         self.compile_stage(id)?;
         let engine = self.engine.clone();
         engine.checked("rewriting a chunk", || {
-            let n = chunk.len as u64;
-            let plan = self.plan.clone();
-            let stage = id.of(&plan);
-            self.room_for_attributes(stage, n)?;
-            self.room_for_turtle(stage, chunk)?;
-            // Where the growth is closed no column is read: any buffer will do.
-            let columns = self.columns(if stage.closed.is_some() { 1 } else { n })?;
+            let columns = self.columns(id, chunk.len as u64)?;
             let outcome = self.sweep(Sweep { id, clock, chunk, columns: &columns }, room)?;
             self.give_columns(columns);
             Ok(outcome)

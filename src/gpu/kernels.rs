@@ -3,15 +3,18 @@
 use super::{Engine, Error, buffers};
 use crate::codegen::{self, Shader};
 use crate::plan::derive::StageId;
-use crate::plan::layout::Layout;
-use crate::plan::step::{self, Column, Pass};
+use crate::plan::program::{Over, Work};
+use crate::plan::step::{Column, Pass};
 use crate::plan::{Given, Plan};
+use std::collections::HashMap;
 
 /// One compute pipeline; `stages` of it where a pass takes several dispatches.
 #[derive(Debug)]
 pub struct Kernel {
     pub layout: wgpu::BindGroupLayout,
     pub pipelines: Vec<wgpu::ComputePipeline>,
+    /// Their entry points.
+    entries: Vec<&'static str>,
     /// Whether one of its bindings is a slot.
     pub slotted: bool,
     label: &'static str,
@@ -19,7 +22,12 @@ pub struct Kernel {
 
 impl Kernel {
     /// A kernel whose bindings are these columns: (column, written).
-    pub fn new(engine: &Engine, shader: &Shader, bindings: &[(Column, bool)], entries: &[&str]) -> Kernel {
+    pub fn new(
+        engine: &Engine,
+        shader: &Shader,
+        bindings: &[(Column, bool)],
+        entries: &[&'static str],
+    ) -> Kernel {
         let bound = bindings.iter().map(|&(column, written)| match column {
             Column::Extent => Bound::Slot,
             Column::Environment => Bound::Uniform,
@@ -30,14 +38,19 @@ impl Kernel {
     }
 
     /// A kernel with these bindings, numbered from 0.
-    pub fn with_bindings(engine: &Engine, shader: &Shader, bindings: &[Bound], entries: &[&str]) -> Kernel {
+    pub fn with_bindings(
+        engine: &Engine,
+        shader: &Shader,
+        bindings: &[Bound],
+        entries: &[&'static str],
+    ) -> Kernel {
         let device = &engine.device;
         let label = shader.name;
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(label),
             source: wgpu::ShaderSource::Wgsl(shader.source.as_str().into()),
         });
-        let entry = |(n, bound): (usize, &Bound)| wgpu::BindGroupLayoutEntry {
+        let binding = |(n, bound): (usize, &Bound)| wgpu::BindGroupLayoutEntry {
             binding: n as u32,
             visibility: wgpu::ShaderStages::COMPUTE,
             ty: wgpu::BindingType::Buffer {
@@ -51,7 +64,7 @@ impl Kernel {
             },
             count: None,
         };
-        let list: Vec<_> = bindings.iter().enumerate().map(entry).collect();
+        let list: Vec<_> = bindings.iter().enumerate().map(binding).collect();
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some(label),
             entries: &list,
@@ -72,11 +85,13 @@ impl Kernel {
             })
         };
         let pipelines = entries.iter().map(pipeline).collect();
-        Kernel { layout, pipelines, slotted: bindings.contains(&Bound::Slot), label }
-    }
-
-    fn of_pass(engine: &Engine, shader: &Shader, pass: &Pass, entries: &[&str]) -> Kernel {
-        Kernel::new(engine, shader, &pass.bindings(false), entries)
+        Kernel {
+            layout,
+            pipelines,
+            entries: entries.to_vec(),
+            slotted: bindings.contains(&Bound::Slot),
+            label,
+        }
     }
 
     /// Binds (buffer, offset, bytes) in the order of the columns.
@@ -100,17 +115,23 @@ impl Kernel {
         })
     }
 
-    /// Records one dispatch of a kernel that has several entries.
-    pub fn record_entry(
+    /// Records what a pass of a stage calls over a word of `n` elements; `dispatch` says over how many workgroups.
+    pub fn run(
         &self,
         pass: &mut wgpu::ComputePass,
-        group: &wgpu::BindGroup,
-        entry: usize,
-        [x, y]: [u32; 2],
+        (group, slot): (&wgpu::BindGroup, u32),
+        work: &Work,
+        n: u64,
+        dispatch: impl Fn(&mut wgpu::ComputePass, Over),
     ) {
-        pass.set_bind_group(0, group, &[0]);
-        pass.set_pipeline(&self.pipelines[entry]);
-        pass.dispatch_workgroups(x, y, 1);
+        pass.set_bind_group(0, group, &[slot]);
+        for call in &work.calls {
+            for entry in call.dispatches(n) {
+                let Some(at) = self.entries.iter().position(|own| *own == entry) else { continue };
+                pass.set_pipeline(&self.pipelines[at]);
+                dispatch(pass, call.over);
+            }
+        }
     }
 
     /// Records the dispatches of a pass, with these numbers of workgroups and the slot that is bound.
@@ -119,21 +140,6 @@ impl Kernel {
         for (pipeline, [x, y]) in self.pipelines.iter().zip(groups) {
             pass.set_pipeline(pipeline);
             pass.dispatch_workgroups(*x, *y, 1);
-        }
-    }
-
-    /// Records these entries, one after the other, each over as many workgroups.
-    pub fn record_entries(
-        &self,
-        pass: &mut wgpu::ComputePass,
-        group: &wgpu::BindGroup,
-        entries: &[usize],
-        [x, y]: [u32; 2],
-    ) {
-        pass.set_bind_group(0, group, &[0]);
-        for &entry in entries {
-            pass.set_pipeline(&self.pipelines[entry]);
-            pass.dispatch_workgroups(x, y, 1);
         }
     }
 }
@@ -180,106 +186,90 @@ pub fn scan_groups(count: u64, tile: u32) -> [[u32; 2]; 3] {
     [tiles, [1, 1], tiles]
 }
 
-/// Entries of the kernel `link`: what contexts see, then what children hang on.
-pub const LINK_ENTRIES: [&str; 6] = ["start", "link", "settle", "jump", "unhang", "rehang"];
-
-/// Dispatches that fill the links which contexts follow, each as the entry that it calls: jumps as often as a link may
-/// have to double.
-pub fn link_calls(n: u64, branches: bool, ignoring: bool) -> Vec<usize> {
-    let settled = branches.then_some(2);
-    let jumps = if branches || ignoring { rounds(n) } else { 0 };
-    [0, 1].into_iter().chain(settled).chain(std::iter::repeat_n(3, jumps)).collect()
-}
-
-/// Those that say what children hang on.
-pub fn hang_calls(n: u64, unhangs: bool) -> Vec<usize> {
-    std::iter::once(4).chain(std::iter::repeat_n(5, if unhangs { rounds(n) } else { 0 })).collect()
-}
-
-/// Rounds in which links that double reach through so many modules.
-fn rounds(n: u64) -> usize {
-    (u64::BITS - n.leading_zeros()) as usize + 1
-}
-
 /// Whether the device binds what the expressions of every stage read.
 ///
 /// # Errors
 /// [`Error::Uniforms`].
 pub fn fits(engine: &Engine, plan: &Plan) -> Result<(), Error> {
-    let stages = plan.tables.rule_sets.iter().flat_map(|set| &set.stages);
+    let stages = plan.stages().into_iter().map(|id| id.of(plan));
     // However long it is does not depend on the values.
     let words = stages.map(|stage| plan.environment(stage, &[], &Given::default()).len());
     buffers::fits_uniform(engine, 4 * words.max().unwrap_or(0) as u64)
 }
 
-/// The kernels of a stage, and its environment.
-pub struct StageKernels {
-    pub measure: Option<Kernel>,
-    pub link: Option<Kernel>,
-    pub turtle: Option<Kernel>,
-    pub match_modules: Kernel,
-    pub claim: Option<Kernel>,
-    pub count: Kernel,
-    pub emit: Kernel,
-    pub environment: wgpu::Buffer,
+/// The kernels of a plan's stages. Those that know only the layout are made once for all.
+pub struct Kernels {
+    engine: Engine,
+    shared: HashMap<&'static str, Kernel>,
+    stages: HashMap<StageId, StageKernels>,
 }
 
-impl StageKernels {
-    pub fn new(
-        engine: &Engine,
+/// The kernels that depend on the rules of a stage, by their files, and its environment.
+struct StageKernels {
+    own: HashMap<&'static str, Kernel>,
+    environment: wgpu::Buffer,
+}
+
+impl Kernels {
+    pub fn new(engine: &Engine) -> Kernels {
+        Kernels { engine: engine.clone(), shared: HashMap::new(), stages: HashMap::new() }
+    }
+
+    /// Whether those of this stage are there.
+    pub fn has(&self, id: StageId) -> bool {
+        self.stages.contains_key(&id)
+    }
+
+    /// Makes those that these passes of a stage run.
+    ///
+    /// # Errors
+    /// [`Error::Uniforms`] for an environment that the device does not bind.
+    pub fn compile<'w>(
+        &mut self,
         plan: &Plan,
         id: StageId,
         environment: &[u32],
-    ) -> Result<StageKernels, Error> {
-        let shaders = codegen::stage_edited(plan, id, engine.tuning(), engine.edit.as_ref())?;
-        let buffer = buffers::uniform(engine, "burgeon environment", environment)?;
-        let claim = |s: &Shader| Kernel::of_pass(engine, s, &step::CLAIM, &["reduce", "spine", "claim"]);
-        let measure = |s: &Shader| Kernel::of_pass(engine, s, &step::MEASURE, &["measure"]);
-        let link = |s: &Shader| Kernel::of_pass(engine, s, &step::LINK, &LINK_ENTRIES);
-        let linked = plan.tables.layout.link.is_some();
-        let of_pass = |s: &Shader, pass: &Pass| Kernel::new(engine, s, &pass.bindings(linked), &[pass.name]);
-        let turtle = |s: &Shader| match plan.tables.layout.link {
-            None => Kernel::of_pass(engine, s, &step::TURTLE, &["reduce", "spine", "turtle"]),
-            Some(_) => {
-                let entries = ["begin", "away", "back", "turtle_linked"];
-                Kernel::of_pass(engine, s, &step::TURTLE_LINKED, &entries)
+        works: impl Iterator<Item = &'w Work>,
+    ) -> Result<(), Error> {
+        let engine = &self.engine;
+        let environment = buffers::uniform(engine, "burgeon environment", environment)?;
+        let works: Vec<&Work> = works.collect();
+        let mut own: HashMap<&'static str, Kernel> = HashMap::new();
+        for work in &works {
+            let row = work.pass.row();
+            if own.contains_key(row.kernel) || self.shared.contains_key(row.kernel) {
+                continue;
             }
-        };
-        Ok(StageKernels {
-            measure: shaders.measure.as_ref().map(measure),
-            link: shaders.link.as_ref().map(link),
-            turtle: shaders.turtle.as_ref().map(turtle),
-            claim: shaders.claim.as_ref().map(claim),
-            match_modules: of_pass(&shaders.match_modules, &step::MATCH),
-            count: Kernel::of_pass(engine, &shaders.count, &step::COUNT, &["count"]),
-            emit: match plan.tables.layout.is_curve() {
-                true => of_pass(&shaders.emit, &step::EMIT_WORD),
-                false => Kernel::of_pass(engine, &shaders.emit, &step::EMIT, &["emit"]),
-            },
-            environment: buffer,
-        })
+            let shader = codegen::kernel(plan, id, work, engine.tuning(), engine.edit.as_ref())?;
+            // Some passes are further entries of the same kernel.
+            let same = works.iter().filter(|other| other.pass.row().kernel == row.kernel);
+            let mut entries: Vec<&'static str> = Vec::new();
+            for entry in same.flat_map(|other| &other.calls).flat_map(|call| call.entries) {
+                if !entries.contains(entry) {
+                    entries.push(entry);
+                }
+            }
+            let kernel = Kernel::new(engine, &shader, &work.bindings, &entries);
+            if row.of_rules { &mut own } else { &mut self.shared }.insert(row.kernel, kernel);
+        }
+        self.stages.insert(id, StageKernels { own, environment });
+        Ok(())
     }
-}
 
-/// The kernels that know only the layout.
-pub struct SharedKernels {
-    pub scan: Kernel,
-    pub compact: Kernel,
-    pub retire: Kernel,
-}
+    /// The kernel of a pass of a stage that was compiled.
+    pub fn of(&self, id: StageId, pass: Pass) -> &Kernel {
+        let name = pass.row().kernel;
+        self.stages[&id].own.get(name).unwrap_or_else(|| &self.shared[name])
+    }
 
-impl SharedKernels {
-    pub fn new(engine: &Engine, layout: &Layout) -> Result<SharedKernels, Error> {
-        let shaders = codegen::shared_edited(layout, engine.tuning(), engine.edit.as_ref())?;
-        Ok(SharedKernels {
-            scan: Kernel::of_pass(engine, &shaders.scan, &step::SCAN, &["reduce", "spine", "scan"]),
-            compact: Kernel::of_pass(
-                engine,
-                &shaders.compact,
-                &step::COMPACT,
-                &["reduce", "spine", "compact"],
-            ),
-            retire: Kernel::of_pass(engine, &shaders.retire, &step::RETIRE, &["retire"]),
-        })
+    pub fn environment(&self, id: StageId) -> Binding<'_> {
+        Binding::whole(&self.stages[&id].environment)
+    }
+
+    /// Writes the environments of all stages that there are.
+    pub fn set_environments(&self, words: impl Fn(StageId) -> Vec<u32>) {
+        for (id, kernels) in &self.stages {
+            self.engine.queue.write_buffer(&kernels.environment, 0, bytemuck::cast_slice(&words(*id)));
+        }
     }
 }

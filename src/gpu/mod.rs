@@ -13,7 +13,6 @@ mod scans;
 mod stencil;
 mod sweep;
 pub mod tessellate;
-mod turtle;
 mod warm;
 
 pub use backend::{Gpu, GpuChunk, derive};

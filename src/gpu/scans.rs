@@ -1,16 +1,16 @@
 //! Scan and compaction by themselves, and the kernels that measure a device.
 
 use super::buffers::{self};
-use super::kernels::{self, Binding, Kernel, SharedKernels};
+use super::kernels::{self, Binding, Kernel};
 use super::{Engine, Error};
 use crate::codegen;
-use crate::plan::layout::Layout;
-use crate::plan::step::{Column, Extent};
+use crate::plan::columns::Stored;
+use crate::plan::step::{Column, Extent, Pass};
 
 /// Prefix sums and stream compaction over u32 on a device, for tests and benches.
 pub struct Scans {
     engine: Engine,
-    shared: SharedKernels,
+    kernels: [Kernel; 2],
     extent: wgpu::Buffer,
 }
 
@@ -36,8 +36,13 @@ pub enum Measure {
 impl Scans {
     pub fn new(engine: &Engine) -> Result<Scans, Error> {
         engine.checked("compiling scan and compact", || {
+            let shaders = codegen::scans(engine.tuning(), engine.edit.as_ref())?;
+            let kernel = |pass: Pass, shader| {
+                let row = pass.row();
+                Kernel::new(engine, shader, &row.bindings().collect::<Vec<_>>(), row.entries)
+            };
             Ok(Scans {
-                shared: SharedKernels::new(engine, &Layout::new(0, [3, 3]))?,
+                kernels: [kernel(Pass::Scan, &shaders[0]), kernel(Pass::Compact, &shaders[1])],
                 extent: uniform(engine),
                 engine: engine.clone(),
             })
@@ -46,8 +51,8 @@ impl Scans {
 
     fn kernel(&self, what: Measure) -> &Kernel {
         match what {
-            Measure::Scan => &self.shared.scan,
-            Measure::Compact { .. } => &self.shared.compact,
+            Measure::Scan => &self.kernels[0],
+            Measure::Compact { .. } => &self.kernels[1],
         }
     }
 
@@ -151,7 +156,11 @@ impl Bandwidth {
     pub fn new(engine: &Engine, count: u64, growth: u64) -> Result<Bandwidth, Error> {
         engine.checked("preparing the copy kernel", || {
             let shaders = codegen::measures(engine.tuning())?;
-            let bindings = [(Column::Extent, false), (Column::Nets, false), (Column::NextNets, true)];
+            let bindings = [
+                (Column::Extent, false),
+                (Column::Before(Stored::Nets), false),
+                (Column::After(Stored::Nets), true),
+            ];
             let kernels = [
                 Kernel::new(engine, &shaders[0], &bindings, &["copy"]),
                 Kernel::new(engine, &shaders[1], &bindings, &["expand"]),

@@ -1,33 +1,44 @@
 //! One sweep on a device: its columns, the recording of its passes, what is read of them.
 //!
-//! A sweep is two submissions: measure, match, count, scan and compact; then, when the host has read
-//! the three totals and allocated exactly what they ask for, emit and retire. Where the growth is a
-//! closed form only the second is made, and nothing is read or waited for.
+//! A sweep is two submissions: the passes of the stage's [program](crate::plan::program) that count; then, when the host
+//! has read the totals and made exactly the room that they ask for, those that write. Where the growth is a closed form
+//! only the second is made, and nothing is read or waited for.
 
 use super::Error;
 use super::backend::{EXTENT_STRIDE, Gpu, GpuChunk, READ_BYTES, STATUS_BYTES};
 use super::buffers::{self, Pooled};
 use super::kernels::{self, Binding};
+use crate::plan::columns::{Content, Domain};
 use crate::plan::compare::Trace;
-use crate::plan::derive::{Outcome, StageId};
+use crate::plan::derive::{Backend, Outcome, StageId};
 use crate::plan::layout::MAX_HALVINGS;
-use crate::plan::step::{Clock, Extent, Status};
+use crate::plan::program::{self, Over, Total, Work};
+use crate::plan::step::{Clock, Column, Extent, Pass, Status};
 use crate::plan::tables::Stage;
 
-/// Columns of a sweep.
-pub(super) struct Columns {
-    rules: Pooled,
-    counts: Pooled,
-    offsets: Pooled,
-    sums: Pooled,
-    retired: Pooled,
-    retired_sums: Pooled,
-    links: Pooled,
+/// The columns that the passes of a sweep write, but for those that outlive it.
+pub(super) struct Columns(Vec<(Column, Pooled)>);
+
+impl Columns {
+    fn get(&self, column: Column) -> Option<&wgpu::Buffer> {
+        self.0.iter().find(|known| known.0 == column).map(|known| &known.1.buffer)
+    }
 }
 
-/// A column, or as much of it as there is: where the growth is closed nobody reads it.
-fn bound_column(column: &Pooled, bytes: u64) -> Binding<'_> {
-    Binding::new(&column.buffer, bytes.min(column.buffer.size()))
+/// What a device calls a column of a sweep that comes from the pool; none of those that do not.
+pub(super) fn pooled(column: Column) -> Option<&'static str> {
+    Some(match column {
+        Column::Rules => "burgeon rules",
+        Column::Counts => "burgeon counts",
+        Column::Offsets => "burgeon offsets",
+        Column::Sums => "burgeon sums",
+        Column::Retired => "burgeon retired",
+        Column::RetiredSums => "burgeon retired sums",
+        Column::Links => "burgeon links",
+        Column::TileMotions => "burgeon motions of tiles",
+        Column::Motions => "burgeon motions",
+        _ => return None,
+    })
 }
 
 /// Where modules go: a chunk, how many of it may be written, and how many there are to write.
@@ -61,157 +72,149 @@ struct Totals {
     retired: usize,
 }
 
+/// Which extent a pass reads: of those that count, of those that write, of those over what is retired.
+const COUNTING: u64 = 0;
+const WRITING: u64 = 1;
+const RETIRING: u64 = 2;
+
+/// What the passes of a submission are bound to.
+#[derive(Clone, Copy)]
+struct Bound<'c> {
+    sweep: Sweep<'c>,
+    slot: u64,
+    /// Elements that they run over.
+    count: u64,
+    next: Option<Target<'c>>,
+    finished: Option<Target<'c>>,
+}
+
 impl Gpu {
-    pub(super) fn columns(&mut self, n: u64) -> Result<Columns, Error> {
-        let sums = (n.div_ceil(self.engine.tuning.tile() as u64) + 1) * 4;
-        // Sections of the column of links.
-        let links = if self.layout().link.is_some() { 4 * 4 * n } else { 4 };
-        let mut take = |label, bytes| self.pool.take(&self.engine, label, bytes);
-        Ok(Columns {
-            rules: take("burgeon rules", n * 4)?,
-            counts: take("burgeon counts", n * 4)?,
-            offsets: take("burgeon offsets", n * 4 + 4)?,
-            sums: take("burgeon sums", sums)?,
-            retired: take("burgeon retired", n * 4)?,
-            retired_sums: take("burgeon retired sums", sums)?,
-            links: take("burgeon links", links)?,
-        })
+    /// Room for what the passes of a stage write of `n` modules.
+    pub(super) fn columns(&mut self, id: StageId, n: u64) -> Result<Columns, Error> {
+        let plan = self.plan.clone();
+        let stage: &Stage = id.of(&plan);
+        let (given, tile) = (self.given.words.len(), self.engine.tuning.tile());
+        let mut columns = Vec::new();
+        for &(column, _) in stage.program.works().flat_map(|work| &work.bindings).filter(|bound| bound.1) {
+            let Some(size) = program::size(column, stage, given) else { continue };
+            let bytes = size.bytes(n, tile);
+            if column == Column::Attributes && self.attributes.size() < bytes {
+                self.attributes = self.pool.take(&self.engine, "burgeon attributes", bytes)?.buffer;
+                self.write_given();
+            }
+            if let Some(label) = pooled(column)
+                && columns.iter().all(|known: &(Column, _)| known.0 != column)
+            {
+                columns.push((column, self.pool.take(&self.engine, label, bytes)?));
+            }
+        }
+        Ok(Columns(columns))
     }
 
     pub(super) fn give_columns(&mut self, columns: Columns) {
-        let Columns { rules, counts, offsets, sums, retired, retired_sums, links } = columns;
-        [rules, counts, offsets, sums, retired, retired_sums, links]
-            .into_iter()
-            .for_each(|c| self.pool.give(c));
+        columns.0.into_iter().for_each(|(_, column)| self.pool.give(column));
     }
 
-    /// What a dispatch over a chunk needs that reads its modules alone.
-    pub(super) fn write_count(&self, chunk: &GpuChunk) {
-        let (count, given) = (chunk.len as u32, self.given.words.len() as u32);
-        self.write_extent(0, Extent { count, given, ..Extent::default() });
+    /// What all dispatches over a chunk have in common.
+    fn extent_of(&self, sweep: Sweep) -> Extent {
+        Extent {
+            count: sweep.chunk.len as u32,
+            wanted: sweep.id.of(&self.plan).retired(),
+            clock: sweep.clock,
+            given: self.given.words.len() as u32,
+            before: sweep.chunk.before as u32,
+            behind: sweep.chunk.behind as u32,
+            made: self.made,
+            ..Extent::default()
+        }
     }
 
     fn write_extent(&self, slot: u64, extent: Extent) {
         self.engine.queue.write_buffer(&self.extents, slot * EXTENT_STRIDE, bytemuck::bytes_of(&extent));
     }
 
-    pub(super) fn extent(&self, slot: u64) -> Binding<'_> {
-        Binding { buffer: &self.extents, offset: slot * EXTENT_STRIDE, bytes: size_of::<Extent>() as u64 }
-    }
-
-    /// Makes room for the attributes that the stage reads of so many modules, behind what is given.
-    pub(super) fn room_for_attributes(&mut self, stage: &Stage, n: u64) -> Result<(), Error> {
-        let given = self.given.words.len() as u64;
-        let bytes = (given + n * stage.row.words as u64) * 4;
-        if self.attributes.size() < bytes {
-            self.attributes = self.pool.take(&self.engine, "burgeon attributes", bytes)?.buffer;
-            self.write_given();
-        }
-        Ok(())
-    }
-
     pub(super) fn write_given(&self) {
         self.engine.queue.write_buffer(&self.attributes, 0, bytemuck::cast_slice(&self.given.words));
     }
 
-    /// The words given and the attributes of so many modules.
-    pub(super) fn attributes(&self, stage: &Stage, n: u64) -> Binding<'_> {
-        let words = self.given.words.len() as u64 + n * stage.row.words as u64;
-        Binding::new(&self.attributes, words * 4)
+    /// What a pass binds as a column.
+    fn binding<'b>(&'b self, column: Column, bound: &Bound<'b>) -> Binding<'b> {
+        let Sweep { id, chunk, columns, .. } = bound.sweep;
+        let (layout, stage, n) = (self.layout(), id.of(&self.plan), chunk.len as u64);
+        let nothing = Binding::whole(&self.nothing);
+        let of_chunk = |chunk: Option<&'b GpuChunk>, column| {
+            let buffer = chunk.and_then(|chunk| Some((chunk.column(column)?, chunk.len as u64)));
+            buffer
+                .map_or(nothing, |(buffer, len)| Binding::new(buffer, layout.shape(column).chunk_bytes(len)))
+        };
+        let buffer = match column {
+            Column::Before(stored) => return of_chunk(Some(chunk), stored),
+            Column::After(stored) => return of_chunk(bound.next.map(|target| target.chunk), stored),
+            Column::Finished(stored) => return of_chunk(bound.finished.map(|target| target.chunk), stored),
+            Column::Environment => return self.kernels.environment(id),
+            Column::Extent => {
+                let (offset, bytes) = (bound.slot * EXTENT_STRIDE, size_of::<Extent>() as u64);
+                return Binding { buffer: &self.extents, offset, bytes };
+            }
+            Column::Attributes => &self.attributes,
+            Column::Status => &self.status,
+            Column::Carried => &self.carried,
+            pooled => match columns.get(pooled) {
+                Some(buffer) => buffer,
+                None => return nothing,
+            },
+        };
+        let size = program::size(column, stage, self.given.words.len());
+        Binding::new(buffer, size.map_or(0, |size| size.bytes(n, self.engine.tuning.tile())))
     }
 
-    /// The attributes that the rules read, into room that is there.
-    fn measure(&self, pass: &mut wgpu::ComputePass, id: StageId, chunk: &GpuChunk, slot: u64) {
-        let (stage, layout, n) = (id.of(&self.plan), self.layout(), chunk.len as u64);
-        self.turtle(pass, id, chunk, slot);
-        let kernels = &self.stages[&id];
-        let Some(kernel) = &kernels.measure else { return };
-        let bound = [
-            self.extent(slot),
-            Binding::new(&kernels.environment, kernels.environment.size()),
-            Binding::new(chunk.records(), layout.chunk_bytes(n)),
-            Binding::new(chunk.nets(), n * layout.net_bytes()),
-            self.attributes(stage, n),
-        ];
-        let group = kernel.bind(&self.engine, &bound);
-        kernel.record(pass, &group, &[kernels::groups(n, self.engine.tuning().workgroup)]);
+    /// Records passes.
+    fn record(&self, pass: &mut wgpu::ComputePass, works: &[Work], bound: Bound) {
+        let (tuning, id) = (*self.engine.tuning(), bound.sweep.id);
+        let (stage, layout, n) = (id.of(&self.plan), self.layout(), bound.count);
+        for work in works {
+            let kernel = self.kernels.of(id, work.pass);
+            let columns: Vec<Binding> =
+                work.bindings.iter().map(|&(column, _)| self.binding(column, &bound)).collect();
+            let group = kernel.bind(&self.engine, &columns);
+            let groups = |over| match over {
+                Over::Each(_) => kernels::groups(n, tuning.workgroup),
+                Over::Tiles(_) => kernels::groups(n, tuning.tile()),
+                Over::Group => [1, 1],
+                Over::Children => {
+                    kernels::groups(tuning.children(work.pass, n, stage, &layout), tuning.workgroup)
+                }
+            };
+            kernel.run(pass, (&group, 0), work, n, |pass, over| {
+                let [x, y] = groups(over);
+                pass.dispatch_workgroups(x, y, 1);
+            });
+        }
     }
 
-    /// measure → match → count → scan, and compact; then the totals, read.
+    /// The passes that count; then what they have counted, read.
     fn totals(&mut self, sweep: Sweep) -> Result<Totals, Error> {
-        let Sweep { id, clock, chunk, columns } = sweep;
+        let Sweep { id, chunk, columns, .. } = sweep;
         let plan = self.plan.clone();
-        let stage: &Stage = id.of(&plan);
+        let program = &id.of(&plan).program;
         let n = chunk.len as u64;
-        let given = self.given.words.len() as u32;
-        let curve = self.layout().is_curve();
-        let wanted = if curve { chunk.behind as u32 } else { stage.retired() };
-        let claimed = if chunk.before == 0 { 0 } else { self.claimed };
-        self.write_extent(0, Extent { count: n as u32, wanted, clock, given, ..Extent::default() });
-        let status = Status { claimed, ..Status::default() };
+        self.write_extent(COUNTING, self.extent_of(sweep));
+        let status = Status { claimed: self.claimed, ..Status::default() };
         self.engine.queue.write_buffer(&self.status, 0, bytemuck::bytes_of(&status));
-        let mut encoder = self.encoder("burgeon match, count, scan");
-        let tuning = *self.engine.tuning();
-        let tiles = n.div_ceil(tuning.tile() as u64);
+        let label = "burgeon count";
+        let mut encoder = self.encoder(label);
         {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                label: Some("burgeon match, count, scan"),
-                timestamp_writes: None,
-            });
-            let one_each = [kernels::groups(n, tuning.workgroup)];
-            self.measure(&mut pass, id, chunk, 0);
-            let kernels = &self.stages[&id];
-            let environment = Binding::new(&kernels.environment, kernels.environment.size());
-            let records = Binding::new(chunk.records(), self.layout().chunk_bytes(n));
-            let rules = Binding::new(&columns.rules.buffer, n * 4);
-            let counts = Binding::new(&columns.counts.buffer, n * 4);
-            let sums = |b| Binding::new(b, (tiles + 1) * 4);
-            let status = Binding::new(&self.status, STATUS_BYTES);
-            let attributes = self.attributes(stage, n);
-            let links = Binding::whole(&columns.links.buffer);
-            let linking = kernels.link.as_ref().map(|link| {
-                (link, link.bind(&self.engine, &[self.extent(0), environment, records, rules, links]))
-            });
-            let ignoring = self.plan.tables.ignored.contains(&true);
-            if let Some((link, group)) = &linking {
-                let calls = kernels::link_calls(n, stage.sees_branches(), ignoring);
-                link.record_entries(&mut pass, group, &calls, one_each[0]);
-            }
-            let mut bound = vec![self.extent(0), environment, records, attributes, rules, status];
-            bound.extend(kernels.link.as_ref().map(|_| links));
-            let group = kernels.match_modules.bind(&self.engine, &bound);
-            kernels.match_modules.record(&mut pass, &group, &one_each);
-            if let Some(claim) = &kernels.claim {
-                let bound = [self.extent(0), environment, rules, sums(&columns.sums.buffer), status];
-                let group = claim.bind(&self.engine, &bound);
-                claim.record(&mut pass, &group, &kernels::scan_groups(n, tuning.tile()));
-            }
-            if let Some((link, group)) = &linking {
-                let calls = kernels::hang_calls(n, stage.unhangs());
-                link.record_entries(&mut pass, group, &calls, one_each[0]);
-            }
-            let group = kernels.count.bind(&self.engine, &[self.extent(0), environment, rules, counts]);
-            kernels.count.record(&mut pass, &group, &one_each);
-            let offsets = Binding::new(&columns.offsets.buffer, n * 4 + 4);
-            let bound = [self.extent(0), counts, offsets, sums(&columns.sums.buffer)];
-            let group = self.shared.scan.bind(&self.engine, &bound);
-            self.shared.scan.record(&mut pass, &group, &kernels::scan_groups(n, tuning.tile()));
-            if stage.may_retire() {
-                let retired = Binding::new(&columns.retired.buffer, n * 4);
-                let bound = [self.extent(0), rules, retired, sums(&columns.retired_sums.buffer)];
-                let group = self.shared.compact.bind(&self.engine, &bound);
-                self.shared.compact.record(&mut pass, &group, &kernels::scan_groups(n, tuning.tile()));
-            }
+            let mut pass = compute_pass(&mut encoder, label);
+            let bound = Bound { sweep, slot: COUNTING, count: n, next: None, finished: None };
+            self.record(&mut pass, &program.counting, bound);
         }
         encoder.copy_buffer_to_buffer(&self.status, 0, &self.staging, 0, STATUS_BYTES);
-        encoder.copy_buffer_to_buffer(&columns.sums.buffer, tiles * 4, &self.staging, STATUS_BYTES, 4);
-        encoder.copy_buffer_to_buffer(
-            &columns.retired_sums.buffer,
-            tiles * 4,
-            &self.staging,
-            STATUS_BYTES + 4,
-            4,
-        );
+        let counted: Vec<(Total, Column)> = program.counting.iter().filter_map(Work::total).collect();
+        let tiles = n.div_ceil(u64::from(self.engine.tuning.tile()));
+        for (k, (_, column)) in counted.iter().enumerate() {
+            let sums = columns.get(*column).unwrap_or(&self.nothing);
+            encoder.copy_buffer_to_buffer(sums, tiles * 4, &self.staging, STATUS_BYTES + 4 * k as u64, 4);
+        }
         self.engine.queue.submit([encoder.finish()]);
         let words: Vec<u32> = buffers::mapped(
             &self.engine,
@@ -220,79 +223,33 @@ impl Gpu {
             READ_BYTES,
             |bytes| bytes.chunks_exact(4).map(bytemuck::pod_read_unaligned).collect(),
         )?;
-        let status: Status = bytemuck::pod_read_unaligned(bytemuck::cast_slice(&words[..8]));
+        let (status, words) = words.split_at(STATUS_BYTES as usize / 4);
+        let status: Status = bytemuck::pod_read_unaligned(bytemuck::cast_slice(status));
         self.claimed = status.claimed;
-        let retired = if stage.may_retire() { words[9] as usize } else { 0 };
-        Ok(Totals { status, modules: words[8] as usize, retired })
+        let of = |total: Total| counted.iter().zip(words).find(|(known, _)| known.0 == total);
+        let [modules, retired] = [Total::New(Domain::Module), Total::Retired(Domain::Module)]
+            .map(|total| of(total).map_or(0, |(_, &word)| word as usize));
+        Ok(Totals { status, modules, retired })
     }
 
-    /// emit, and retire where modules are retired.
+    /// The passes that write what comes, and those that copy what is retired.
     fn write(&mut self, sweep: Sweep, next: Option<Target>, finished: Option<Target>) {
-        let Sweep { id, clock, chunk, columns } = sweep;
-        let layout = self.layout();
-        let n = chunk.len as u64;
-        let tuning = *self.engine.tuning();
-        let extent = |count: usize, capacity: usize| Extent {
-            count: count as u32,
-            capacity: capacity as u32,
-            wanted: self.made,
-            clock,
-            given: self.given.words.len() as u32,
-            ..Extent::default()
-        };
-        let mut encoder = self.encoder("burgeon emit, retire");
+        let program = &sweep.id.of(&self.plan).program;
+        let label = "burgeon write";
+        let mut encoder = self.encoder(label);
         {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                label: Some("burgeon emit, retire"),
-                timestamp_writes: None,
-            });
-            let kernels = &self.stages[&id];
-            let status = Binding::new(&self.status, STATUS_BYTES);
-            let records = |c: &'_ GpuChunk| layout.chunk_bytes(c.len as u64);
-            let nets = |c: &'_ GpuChunk| c.len as u64 * layout.net_bytes();
-            if let Some(Target { chunk: next, capacity, .. }) = next {
-                self.write_extent(1, extent(chunk.len, capacity));
-                let stage = id.of(&self.plan);
-                if stage.closed.is_some() {
-                    self.measure(&mut pass, id, chunk, 1);
-                }
-                let bound = [
-                    self.extent(1),
-                    Binding::new(&kernels.environment, kernels.environment.size()),
-                    Binding::new(chunk.records(), records(chunk)),
-                    Binding::new(chunk.nets(), nets(chunk)),
-                    bound_column(&columns.rules, n * 4),
-                    bound_column(&columns.offsets, n * 4 + 4),
-                    self.attributes(stage, n),
-                    Binding::new(next.records(), records(next)),
-                    Binding::new(next.nets(), nets(next)),
-                    status,
-                ];
-                // Curves have no nets.
-                let mut curve = [0, 1, 2, 4, 5, 6, 7, 9].map(|n| bound[n]).to_vec();
-                curve.extend(kernels.link.as_ref().map(|_| Binding::whole(&columns.links.buffer)));
-                let bound = if layout.is_curve() { &curve[..] } else { &bound[..] };
-                let group = kernels.emit.bind(&self.engine, bound);
-                let invocations = match layout.is_curve() {
-                    true => tuning.word_invocations(n, stage),
-                    false => tuning.emit_invocations(n, &layout),
-                };
-                kernels.emit.record(&mut pass, &group, &[kernels::groups(invocations, tuning.workgroup)]);
+            let mut pass = compute_pass(&mut encoder, label);
+            let common = self.extent_of(sweep);
+            let bound = Bound { sweep, slot: WRITING, count: sweep.chunk.len as u64, next, finished };
+            if let Some(Target { capacity, .. }) = next {
+                self.write_extent(WRITING, Extent { capacity: capacity as u32, ..common });
+                self.record(&mut pass, &program.writing, bound);
             }
-            if let Some(Target { chunk: finished, capacity, modules }) = finished {
-                self.write_extent(2, extent(modules, capacity));
-                let bound = [
-                    self.extent(2),
-                    Binding::new(chunk.records(), records(chunk)),
-                    Binding::new(chunk.nets(), nets(chunk)),
-                    Binding::new(&columns.retired.buffer, n * 4),
-                    Binding::new(finished.records(), records(finished)),
-                    Binding::new(finished.nets(), nets(finished)),
-                    status,
-                ];
-                let group = self.shared.retire.bind(&self.engine, &bound);
-                let groups = [kernels::groups(modules as u64, tuning.workgroup)];
-                self.shared.retire.record(&mut pass, &group, &groups);
+            if let Some(Target { capacity, modules, .. }) = finished {
+                let (count, capacity) = (modules as u32, capacity as u32);
+                self.write_extent(RETIRING, Extent { count, capacity, ..common });
+                let bound = Bound { slot: RETIRING, count: modules as u64, ..bound };
+                self.record(&mut pass, &program.retiring, bound);
             }
         }
         self.engine.queue.submit([encoder.finish()]);
@@ -331,10 +288,7 @@ impl Gpu {
         self.compile_stage(id)?;
         let engine = self.engine.clone();
         engine.checked("rewriting a chunk into buffers of the caller", || {
-            let plan = self.plan.clone();
-            self.room_for_attributes(id.of(&plan), chunk.len as u64)?;
-            self.room_for_turtle(id.of(&plan), chunk)?;
-            let columns = self.columns(chunk.len as u64)?;
+            let columns = self.columns(id, chunk.len as u64)?;
             let sweep = Sweep { id, clock, chunk, columns: &columns };
             let totals = self.totals_or_closed(sweep)?;
             let target = |(chunk, capacity): (_, usize), modules| {
@@ -400,18 +354,16 @@ impl Gpu {
         }
         let mut trace = Trace::default();
         if id.of(&self.plan).closed.is_none() {
-            let read = |c: &Pooled, words: u64| {
-                if words == 0 {
-                    return Ok(Vec::new());
-                }
-                buffers::read::<u32>(&self.engine, "reading a pass", &c.buffer, words * 4)
+            let read = |column: Column, words: u64| match columns.get(column).filter(|_| words > 0) {
+                Some(buffer) => buffers::read::<u32>(&self.engine, "reading a pass", buffer, words * 4),
+                None => Ok(Vec::new()),
             };
             trace = Trace {
                 attributes: self.read_attributes(id, n)?,
-                rules: read(&columns.rules, n)?,
-                counts: read(&columns.counts, n)?,
-                offsets: read(&columns.offsets, n + 1)?,
-                retired: read(&columns.retired, retired as u64)?,
+                rules: read(Column::Rules, n)?,
+                counts: read(Column::Counts, n)?,
+                offsets: read(Column::Offsets, n + 1)?,
+                retired: read(Column::Retired, retired as u64)?,
             };
         }
         self.trace = Some(trace);
@@ -430,4 +382,40 @@ impl Gpu {
         words.drain(..self.given.words.len());
         Ok(words)
     }
+
+    /// The rows that a trace measures of these records, which are one chunk.
+    ///
+    /// # Errors
+    /// What the device says.
+    #[doc(hidden)]
+    pub fn turtle_rows(&mut self, id: StageId, records: Vec<u32>) -> Result<Vec<u32>, Error> {
+        let chunk = self.upload(Content::of_records(records))?;
+        self.compile_stage(id)?;
+        let engine = self.engine.clone();
+        let rows = engine.checked("tracing", || {
+            let columns = self.columns(id, chunk.len as u64)?;
+            let sweep = Sweep { id, clock: Clock::default(), chunk: &chunk, columns: &columns };
+            self.write_extent(COUNTING, self.extent_of(sweep));
+            let label = "burgeon turtle";
+            let mut encoder = self.encoder(label);
+            {
+                let mut pass = compute_pass(&mut encoder, label);
+                let bound =
+                    Bound { sweep, slot: COUNTING, count: chunk.len as u64, next: None, finished: None };
+                let turtle = |work: &&Work| matches!(work.pass, Pass::Turtle | Pass::TurtleLinked);
+                let works: Vec<Work> = id.of(&self.plan).program.works().filter(turtle).cloned().collect();
+                self.record(&mut pass, &works, bound);
+            }
+            engine.queue.submit([encoder.finish()]);
+            let rows = self.read_attributes(id, chunk.len as u64);
+            self.give_columns(columns);
+            rows
+        })?;
+        self.recycle(chunk);
+        Ok(rows)
+    }
+}
+
+fn compute_pass<'e>(encoder: &'e mut wgpu::CommandEncoder, label: &'static str) -> wgpu::ComputePass<'e> {
+    encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(label), timestamp_writes: None })
 }

@@ -1,5 +1,6 @@
 //! What a derivation has made, read back as words.
 
+use super::columns::Content;
 use super::derive::{Backend, Derivation};
 use super::layout::{Header, LATERAL, NONE};
 use super::tables::Symbol;
@@ -11,11 +12,11 @@ use std::sync::Arc;
 
 /// A word, or several, as a derivation is read back.
 pub trait Collected: Sized {
-    /// See [`collect`], which has looked whether the backend is the one that derived it.
+    /// What these chunks hold, in order, after so many steps; `words` are derived at once, or 0 where it is one alone.
     ///
     /// # Errors
-    /// What the backend says, and where a device is not right.
-    fn of<B: Backend>(backend: &mut B, derivation: &Derivation<B::Chunk, Self>) -> Result<Self, B::Error>;
+    /// Where a device is not right.
+    fn of(plan: &Plan, steps: u32, words: usize, chunks: Vec<Content>) -> Result<Self, Error>;
 }
 
 /// Reads what was derived: a [`patch::Word`] from the axiom of a patch system, a [`curve::Word`] from that of a curve,
@@ -27,44 +28,35 @@ pub fn collect<W: Collected, B: Backend>(
     backend: &mut B,
     derivation: &Derivation<B::Chunk, W>,
 ) -> Result<W, B::Error> {
-    if !Arc::ptr_eq(&backend.plan().tables, &derivation.tables) {
+    let plan = backend.plan().clone();
+    if !Arc::ptr_eq(&plan.tables, &derivation.tables) {
         let message = "a derivation is read by a backend of the plan that derived it; this one has another";
         return Err(Error::Axiom(message.to_string()).into());
     }
-    W::of(backend, derivation)
+    let chunks = derivation.chunks.iter().map(|chunk| backend.read(chunk));
+    let chunks = chunks.collect::<Result<_, B::Error>>()?;
+    Ok(W::of(&plan, derivation.steps.len() as u32, derivation.words, chunks)?)
 }
 
 /// Modules in the order of the derivation tree.
 impl Collected for patch::Word {
-    fn of<B: Backend>(backend: &mut B, derivation: &Derivation<B::Chunk, Self>) -> Result<Self, B::Error> {
-        let (mut records, mut nets) = (Vec::new(), Vec::new());
-        for chunk in &derivation.chunks {
-            let (r, n) = backend.read(chunk)?;
-            if records.is_empty() {
-                (records, nets) = (r, n);
-            } else {
-                records.extend(r);
-                nets.extend(n);
-            }
-        }
-        Ok(word(backend.plan(), derivation.steps.len() as u32, &records, nets)?)
+    fn of(plan: &Plan, steps: u32, _: usize, chunks: Vec<Content>) -> Result<Self, Error> {
+        word(plan, steps, whole(chunks))
     }
 }
 
 /// In their order; those of which nothing is left are empty.
 impl Collected for Vec<curve::Word> {
-    fn of<B: Backend>(backend: &mut B, derivation: &Derivation<B::Chunk, Self>) -> Result<Self, B::Error> {
-        let plan = backend.plan().clone();
+    fn of(plan: &Plan, steps: u32, words: usize, chunks: Vec<Content>) -> Result<Self, Error> {
         let layout = plan.tables.layout;
         let Some(at) = layout.word else { return Ok(vec![]) };
-        let (mut all, mut first) = (vec![Vec::new(); derivation.words], vec![0; derivation.words]);
-        for chunk in &derivation.chunks {
-            let (records, _) = backend.read(chunk)?;
-            for (n, record) in records.chunks_exact(layout.record_words).enumerate() {
+        let (mut all, mut first) = (vec![Vec::new(); words], vec![0; words]);
+        for content in chunks {
+            for (n, record) in content.records().chunks_exact(layout.record_words).enumerate() {
                 let word = record[at] as usize;
                 let Some(own) = all.get_mut(word) else {
                     let what = format!("module {n} is of no word: the device is not right");
-                    return Err(Error::Value(what).into());
+                    return Err(Error::Value(what));
                 };
                 if own.is_empty() {
                     first[word] = n;
@@ -72,29 +64,25 @@ impl Collected for Vec<curve::Word> {
                 own.extend(record);
             }
         }
-        let steps = derivation.steps.len();
-        let words = all.iter().zip(first).map(|(records, first)| curve_word(&plan, steps, records, first));
-        Ok(words.collect::<Result<_, Error>>()?)
+        all.iter().zip(first).map(|(records, first)| curve_word(plan, steps, records, first)).collect()
     }
 }
 
 impl Collected for curve::Word {
-    fn of<B: Backend>(backend: &mut B, derivation: &Derivation<B::Chunk, Self>) -> Result<Self, B::Error> {
-        let mut records = Vec::new();
-        for chunk in &derivation.chunks {
-            let (read, _) = backend.read(chunk)?;
-            if records.is_empty() {
-                records = read;
-            } else {
-                records.extend(read);
-            }
-        }
-        Ok(curve_word(backend.plan(), derivation.steps.len(), &records, 0)?)
+    fn of(plan: &Plan, steps: u32, _: usize, chunks: Vec<Content>) -> Result<Self, Error> {
+        curve_word(plan, steps, whole(chunks).records(), 0)
     }
 }
 
+/// What chunks hold, one after the other.
+fn whole(chunks: Vec<Content>) -> Content {
+    let mut content = Content::default();
+    chunks.into_iter().for_each(|chunk| content.append(chunk));
+    content
+}
+
 /// The word of these records, the first of which others hang on by the number `first`.
-fn curve_word(plan: &Plan, steps: usize, records: &[u32], first: usize) -> Result<curve::Word, Error> {
+fn curve_word(plan: &Plan, steps: u32, records: &[u32], first: usize) -> Result<curve::Word, Error> {
     let layout = plan.tables.layout;
     let Kind::Curve(topology) = plan.system.kind else {
         return Err(Error::Axiom(format!("{} is no curve system", plan.system.name)));
@@ -123,7 +111,7 @@ fn curve_word(plan: &Plan, steps: usize, records: &[u32], first: usize) -> Resul
     let symbols = plan.tables.symbols.iter();
     Ok(curve::Word {
         system: plan.system.name.clone(),
-        steps: steps as u32,
+        steps,
         topology,
         symbols: symbols.map(|s| patch::Symbol { name: s.name.clone(), fields: s.fields.clone() }).collect(),
         modules,
@@ -138,13 +126,9 @@ fn table_of(plan: &Plan, symbol: usize, module: usize) -> Result<&Symbol, Error>
 }
 
 /// The word of these modules, in the order of the derivation tree.
-pub(crate) fn word(
-    plan: &Plan,
-    steps: u32,
-    records: &[u32],
-    nets: Vec<[f32; 4]>,
-) -> Result<patch::Word, Error> {
+fn word(plan: &Plan, steps: u32, content: Content) -> Result<patch::Word, Error> {
     let layout = &plan.tables.layout;
+    let records = content.records();
     let headers: Vec<Header> = records.chunks_exact(layout.record_words).map(Header::read).collect();
     let place = |h: &Header| (h.root, h.key);
     let sorted = headers.is_sorted_by_key(place);
@@ -165,12 +149,12 @@ pub(crate) fn word(
             cell: header.cell,
         })
     };
-    let points = layout.net_points();
     let modules = order.iter().map(module).collect::<Result<_, Error>>()?;
-    let nets = if sorted {
-        nets
-    } else {
-        order.iter().flat_map(|&i| &nets[i as usize * points..][..points]).copied().collect()
+    let points = layout.net_points();
+    let net = |&i: &u32| &content.nets()[i as usize * points..][..points];
+    let nets = match sorted {
+        false => order.iter().flat_map(net).copied().collect(),
+        true => content.into_nets(),
     };
     let visible = plan.tables.symbols.iter().filter(|s| !s.hidden);
     Ok(patch::Word {

@@ -8,7 +8,8 @@
 
 use super::Plan;
 use super::bound::{self, Known, Module};
-use super::derive::{Backend, Modules, Outcome, StageId};
+use super::columns::{Content, Stored};
+use super::derive::{Backend, Outcome, StageId};
 use super::given::Given;
 use super::links::Links;
 use super::step::Clock;
@@ -163,26 +164,33 @@ impl<L: Replay, R: Traced> Pair<L, R> {
         })))
     }
 
-    /// Records and nets, to the bit.
+    /// All columns, to the bit.
     fn same_modules(
         &mut self,
         pass: &'static str,
-        left: &Modules,
-        right: &Modules,
+        left: &Content,
+        right: &Content,
     ) -> Result<(), ErrorOf<L, R>> {
         let plan = &*self.plan.clone();
-        let place = |at| place_in_records(plan, &left.0, at);
-        self.same(pass, &left.0, &right.0, place, |w| format!("{w:#x}"))?;
-        let bits = |nets: &[[f32; 4]]| -> Vec<u32> { nets.iter().flatten().map(|x| x.to_bits()).collect() };
         let points = plan.tables.layout.net_points();
-        let place = |at| {
-            let (point, component) = (at / 4, ["xw", "yw", "zw", "w"][at % 4]);
-            format!("{component} of point {} of module {}", point % points, point / points)
-        };
-        self.same(pass, &bits(&left.1), &bits(&right.1), place, |w| format!("{:?}", f32::from_bits(w)))
+        for column in Stored::ALL {
+            let place = |at: usize| match column {
+                Stored::Records => place_in_records(plan, left.records(), at),
+                Stored::Nets => {
+                    let (point, component) = (at / 4, ["xw", "yw", "zw", "w"][at % 4]);
+                    format!("{component} of point {} of module {}", point % points, point / points)
+                }
+            };
+            let show = |word: u32| match column {
+                Stored::Records => format!("{word:#x}"),
+                Stored::Nets => format!("{:?}", f32::from_bits(word)),
+            };
+            self.same(pass, &left[column], &right[column], place, show)?;
+        }
+        Ok(())
     }
 
-    fn read_both(&mut self, left: &L::Chunk, right: &R::Chunk) -> Result<(Modules, Modules), ErrorOf<L, R>> {
+    fn read_both(&mut self, left: &L::Chunk, right: &R::Chunk) -> Result<(Content, Content), ErrorOf<L, R>> {
         let left = self.left.read(left).map_err(PairError::Left)?;
         Ok((left, self.right.read(right).map_err(PairError::Right)?))
     }
@@ -219,11 +227,12 @@ impl<L: Replay, R: Traced> Pair<L, R> {
         }
         let plan = &*self.plan.clone();
         let (stage, layout) = (id.of(plan), plan.tables.layout);
-        let (records, nets) = self.left.read(chunk).map_err(PairError::Left)?;
+        let content = self.left.read(chunk).map_err(PairError::Left)?;
+        let (records, nets) = (content.records(), content.nets());
         let environment = self.left.environment(id);
         let window = self.left.window(chunk);
         let links = self.left.links();
-        let linked = plan.tables.linked(&records, &links);
+        let linked = plan.tables.linked(records, &links);
         let given = self.given.clone();
         let view = &environment[plan.tables.given.view()..];
         let row = stage.row.words;
@@ -348,12 +357,12 @@ impl<L: Replay, R: Traced> Backend for Pair<L, R> {
         self.right.bind(uniforms, given).map_err(PairError::Right)
     }
 
-    fn upload(&mut self, records: Vec<u32>, nets: Vec<[f32; 4]>) -> Result<Self::Chunk, Self::Error> {
-        let left = self.left.upload(records.clone(), nets.clone()).map_err(PairError::Left)?;
-        Ok((left, self.right.upload(records, nets).map_err(PairError::Right)?))
+    fn upload(&mut self, content: Content) -> Result<Self::Chunk, Self::Error> {
+        let left = self.left.upload(content.clone()).map_err(PairError::Left)?;
+        Ok((left, self.right.upload(content).map_err(PairError::Right)?))
     }
 
-    fn read(&mut self, chunk: &Self::Chunk) -> Result<Modules, Self::Error> {
+    fn read(&mut self, chunk: &Self::Chunk) -> Result<Content, Self::Error> {
         let (left, right) = self.read_both(&chunk.0, &chunk.1)?;
         self.same_modules("read", &left, &right)?;
         Ok(left)
@@ -521,17 +530,22 @@ impl<L: Replay, R: Traced> Pair<L, R> {
         self.same(pass, &[lengths.0], &[lengths.1], whole, |n| format!("{n} modules"))?;
         match (left, right) {
             (Some(mut l), Some(r)) => {
-                let (left, right) = self.read_both(&l, &r)?;
-                let Some((id, clock, chunk)) = parents.filter(|_| left.0 != right.0) else {
+                let (left, mut right) = self.read_both(&l, &r)?;
+                let differ = left.records() != right.records();
+                let Some((id, clock, chunk)) = parents.filter(|_| differ) else {
                     self.same_modules(pass, &left, &right)?;
                     return Ok(Some((l, r)));
                 };
-                let parents = self.left.read(chunk).map_err(PairError::Left)?.0;
+                let parents = self.left.read(chunk).map_err(PairError::Left)?;
                 let window = self.left.window(chunk);
-                let agreed = self.within_bounds(id, clock, (&parents, &window), &left.0, right.0.clone());
-                self.same_modules(pass, &left, &(agreed, right.1.clone()))?;
+                let theirs = right.records().to_vec();
+                let around = (parents.records(), &window[..]);
+                right[Stored::Records] =
+                    self.within_bounds(id, clock, around, left.records(), theirs.clone());
+                self.same_modules(pass, &left, &right)?;
+                right[Stored::Records] = theirs;
                 self.left.recycle(l);
-                l = self.left.upload(right.0, right.1).map_err(PairError::Left)?;
+                l = self.left.upload(right).map_err(PairError::Left)?;
                 Ok(Some((l, r)))
             }
             _ => Ok(None),

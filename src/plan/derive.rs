@@ -6,6 +6,7 @@
 //! can ever fire again leave the frontier for the *finished* chunks, and come back when a later
 //! derive names their symbol. The order of the word is restored by its keys at the end.
 
+use super::columns::{Content, Stored};
 use super::given::{Given, View};
 use super::schedule::{self, Derive};
 use super::size::{self, Bounds, Endless};
@@ -22,12 +23,9 @@ use std::time::{Duration, Instant};
 pub use super::collect::{Collected, collect};
 pub use super::start::Start;
 
-/// Records and nets of some modules, on the host.
-pub type Modules = (Vec<u32>, Vec<[f32; 4]>);
-
 /// What a backend does with a chunk. The passes are those of [`super::step`].
 pub trait Backend {
-    /// Records and nets of some modules, wherever the backend keeps them.
+    /// The columns of some modules, wherever the backend keeps them.
     type Chunk;
     type Error: From<Error>;
 
@@ -36,10 +34,10 @@ pub trait Backend {
     /// The values of the plan's uniforms and what the host gives, for all chunks until others are bound. A backend
     /// begins with the params' defaults.
     fn bind(&mut self, uniforms: &[Value], given: &Given) -> Result<(), Self::Error>;
-    /// A chunk of these records and nets.
-    fn upload(&mut self, records: Vec<u32>, nets: Vec<[f32; 4]>) -> Result<Self::Chunk, Self::Error>;
-    /// The records and nets of a chunk.
-    fn read(&mut self, chunk: &Self::Chunk) -> Result<Modules, Self::Error>;
+    /// A chunk of this content.
+    fn upload(&mut self, content: Content) -> Result<Self::Chunk, Self::Error>;
+    /// What a chunk holds, without what stands beside it.
+    fn read(&mut self, chunk: &Self::Chunk) -> Result<Content, Self::Error>;
     /// Modules of the chunk.
     fn len(&self, chunk: &Self::Chunk) -> usize;
     /// Modules that one chunk can hold at most.
@@ -162,6 +160,32 @@ pub struct Derivation<C, W> {
 /// What came of a start, read, and how it came about.
 pub type Derived<S, C> = (<S as Start>::Word, Derivation<C, <S as Start>::Word>);
 
+/// What options come to for a plan and a start.
+pub(crate) struct Asked {
+    pub settings: Settings,
+    /// Of several words at once what each runs with; else none.
+    pub each: Vec<Settings>,
+    pub schedule: Vec<Derive>,
+    pub given: Given,
+}
+
+impl Asked {
+    pub fn of<S: Start>(plan: &Plan, start: &S, options: &Options) -> Result<Asked, Error> {
+        let settings = plan.settings(&options.set, options.seed)?;
+        let each = start.each(plan, options)?;
+        let schedule = match each.split_first() {
+            None => schedule::unroll(plan, &settings.uniforms)?,
+            Some((first, others)) => schedule::of_all(plan, first, others)?,
+        };
+        let words = |values: &Settings| {
+            values.uniforms.iter().flat_map(Value::words).chain([values.seed]).collect::<Vec<u32>>()
+        };
+        let words = each.iter().flat_map(words).collect();
+        let given = Given::behind(words, &plan.system, start.roots(), &options.bind, options.view)?;
+        Ok(Asked { settings, each, schedule, given })
+    }
+}
+
 /// Runs the whole schedule of the backend's plan on `start`.
 ///
 /// # Errors
@@ -172,19 +196,9 @@ pub fn derive<S: Start, B: Backend>(
     backend: &mut B,
 ) -> Result<Derivation<B::Chunk, S::Word>, B::Error> {
     let plan = &*backend.plan().clone();
-    let values = plan.settings(&options.set, options.seed)?;
-    let each = start.each(plan, options)?;
-    let schedule = match each.split_first() {
-        None => schedule::unroll(plan, &values.uniforms)?,
-        Some((first, others)) => schedule::of_all(plan, first, others)?,
-    };
-    let words = |values: &Settings| {
-        values.uniforms.iter().flat_map(Value::words).chain([values.seed]).collect::<Vec<u32>>()
-    };
-    let words = each.iter().flat_map(words).collect();
-    let given = Given::behind(words, &plan.system, start.roots(), &options.bind, options.view)?;
+    let Asked { settings: values, each, schedule, given } = Asked::of(plan, start, options)?;
     backend.bind(&values.uniforms, &given)?;
-    let (records, nets) = start.modules(plan, &values, &each)?;
+    let content = start.content(plan, &values, &each)?;
     // What several words have in common.
     let common: &[Value] = match each.split_first() {
         None => &values.uniforms,
@@ -193,9 +207,9 @@ pub fn derive<S: Start, B: Backend>(
         }
         Some(_) => &[],
     };
-    refuse_growth(plan, common, &records, &schedule, options)?;
+    refuse_growth(plan, common, content.records(), &schedule, options)?;
     let layout = plan.tables.layout;
-    let modules = (records.len() / layout.record_words) as u64;
+    let modules = layout.modules(&content) as u64;
     let mut run = Run {
         plan,
         options,
@@ -209,7 +223,7 @@ pub fn derive<S: Start, B: Backend>(
         most_steps: most_steps(&schedule, options),
         backend,
     };
-    run.put(records, &nets, 0)?;
+    run.put(content, 0)?;
     for derive in schedule {
         if run.steps.len() as u64 >= run.most_steps {
             break;
@@ -326,28 +340,27 @@ impl<B: Backend> Run<'_, B> {
     }
 
     /// Puts modules of the word after `step` on the frontier, in chunks that the backend can hold.
-    fn put(&mut self, records: Vec<u32>, nets: &[[f32; 4]], step: u32) -> Result<(), B::Error> {
+    fn put(&mut self, content: Content, step: u32) -> Result<(), B::Error> {
         let layout = self.plan.tables.layout;
         let most = self.backend.most_modules().max(1);
-        let modules = records.len() / layout.record_words;
+        let modules = layout.modules(&content);
         if modules == 0 {
             return Ok(());
         }
         if modules <= most {
-            self.frontier.push(self.backend.upload(records, nets.to_vec())?);
+            self.frontier.push(self.backend.upload(content)?);
             return Ok(());
         }
         if layout.link.is_some() {
-            let halves = layout.word.and_then(|_| links::halves(&records, &layout));
+            let halves = layout.word.and_then(|_| links::halves(content.records(), &layout));
             let too_long = || Error::TooLong { modules: modules as u64, most: most as u64, step };
             let [first, second] = halves.ok_or_else(too_long)?;
-            self.put(first, &[], step)?;
-            return self.put(second, &[], step);
+            self.put(Content::of_records(first), step)?;
+            return self.put(Content::of_records(second), step);
         }
-        let points = layout.net_points();
-        for (n, records) in records.chunks(most * layout.record_words).enumerate() {
-            let nets = &nets[(n * most * points).min(nets.len())..((n + 1) * most * points).min(nets.len())];
-            self.frontier.push(self.backend.upload(records.to_vec(), nets.to_vec())?);
+        for start in (0..modules).step_by(most) {
+            let part = layout.part(&content, start..modules.min(start + most));
+            self.frontier.push(self.backend.upload(part)?);
         }
         Ok(())
     }
@@ -380,14 +393,14 @@ impl<B: Backend> Run<'_, B> {
         let layout = &self.plan.tables.layout;
         let start = turtle::start(self.plan, into);
         if self.words == 0 && self.modules == 0 {
-            self.put(start, &[], self.steps.len() as u32 + 1)?;
+            self.put(Content::of_records(start), self.steps.len() as u32 + 1)?;
             self.modules = 1;
         } else if self.words > 0 && turtle::may_be_empty(self.plan) {
             let chunks = std::mem::take(&mut self.frontier);
             let mut words = 0;
             let mut read = Vec::with_capacity(chunks.len());
             for chunk in chunks {
-                read.push(self.backend.read(&chunk)?.0);
+                read.push(std::mem::take(&mut self.backend.read(&chunk)?[Stored::Records]));
                 self.backend.recycle(chunk);
             }
             if read.is_empty() {
@@ -401,7 +414,7 @@ impl<B: Backend> Run<'_, B> {
                 let records = links::with_starts(&read[n], layout, &start, words..until);
                 words = until;
                 self.modules += (records.len() / layout.record_words) as u64;
-                self.put(records, &[], self.steps.len() as u32 + 1)?;
+                self.put(Content::of_records(records), self.steps.len() as u32 + 1)?;
             }
         }
         Ok(())
@@ -508,9 +521,10 @@ impl<B: Backend> Run<'_, B> {
         if layout.word.is_none() {
             return Ok(None);
         }
-        let (records, _) = self.backend.read(chunk)?;
-        let Some([first, second]) = links::halves(&records, layout) else { return Ok(None) };
-        Ok(Some([self.backend.upload(first, Vec::new())?, self.backend.upload(second, Vec::new())?]))
+        let content = self.backend.read(chunk)?;
+        let Some(halves) = links::halves(content.records(), layout) else { return Ok(None) };
+        let [first, second] = halves.map(|records| self.backend.upload(Content::of_records(records)));
+        Ok(Some([first?, second?]))
     }
 
     fn fits_one_chunk(&self, modules: u64) -> Result<(), Error> {

@@ -28,7 +28,9 @@
 //! sorting by (root, key) is its depth-first order, and (root, key) names a module for ever.
 //! At most [`MAX_HALVINGS`] halvings each way fit (62 key bits, and i and j within a word).
 
+use super::columns::{Content, Shape, Stored};
 use crate::patch::Cell;
+use std::ops::Range;
 
 /// Halvings along u, and along v, that an address can hold.
 pub const MAX_HALVINGS: u8 = 31;
@@ -125,19 +127,44 @@ impl Layout {
         (self.degree[0] as usize + 1) * (self.degree[1] as usize + 1)
     }
 
+    /// Modules of a chunk, the widest column of which takes so many bytes.
+    pub fn most_modules(&self, bytes: u64) -> u64 {
+        let modules = |shape: Shape| (bytes / shape.bytes()).saturating_sub(2 * shape.halo as u64);
+        self.columns().map(|column| modules(self.shape(column))).min().unwrap_or(0)
+    }
+
+    /// Modules of which there are columns.
+    pub fn modules(&self, content: &Content) -> usize {
+        content.records().len() / self.record_words
+    }
+
+    /// The columns of some modules.
+    pub fn part(&self, content: &Content, modules: Range<usize>) -> Content {
+        let mut part = Content::default();
+        for column in self.columns() {
+            let words = self.shape(column).words;
+            part[column] = content[column][modules.start * words..modules.end * words].to_vec();
+        }
+        part
+    }
+
     /// Bytes of a record.
     pub fn record_bytes(&self) -> u64 {
         self.record_words as u64 * 4
     }
 
-    /// Bytes of the records of a chunk, those beside it among them.
-    pub fn chunk_bytes(&self, modules: u64) -> u64 {
-        (modules + 2 * self.halo() as u64) * self.record_bytes()
+    /// How wide a column is; no words of those that the word has not.
+    pub fn shape(&self, column: Stored) -> Shape {
+        match column {
+            Stored::Records => Shape { words: self.record_words, halo: self.halo() },
+            Stored::Nets => Shape { words: 4 * self.net_points(), halo: 0 },
+        }
     }
 
-    /// Bytes in a chunk before its own records.
-    pub fn halo_bytes(&self) -> u64 {
-        self.halo() as u64 * self.record_bytes()
+    /// The columns of a word.
+    pub fn columns(&self) -> impl Iterator<Item = Stored> + use<> {
+        let layout = *self;
+        Stored::ALL.into_iter().filter(move |&column| layout.shape(column).words > 0)
     }
 
     /// Bytes of a net.

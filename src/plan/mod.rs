@@ -6,6 +6,7 @@ pub mod bound;
 pub mod certain;
 pub mod code;
 pub mod collect;
+pub mod columns;
 pub mod compare;
 pub mod context;
 pub mod derive;
@@ -17,6 +18,7 @@ pub mod layout;
 pub mod links;
 pub mod measure;
 pub mod placement;
+pub mod program;
 mod ranges;
 pub mod schedule;
 pub mod size;
@@ -32,6 +34,7 @@ use crate::language::system::{Axiom, CurveStart, Kind, System, Topology, Uniform
 use crate::language::{Span, Type, eval};
 use std::sync::Arc;
 
+pub use columns::{Content, Domain, Stored};
 pub use derive::{Backend, Derivation, Options, Progress};
 pub use given::{Given, View};
 pub use placement::{Displacement, Placement};
@@ -131,6 +134,15 @@ impl Plan {
             system: Arc::new(system.clone()),
             hole: None,
         })
+    }
+
+    /// All stages.
+    pub fn stages(&self) -> Vec<derive::StageId> {
+        let sets = self.tables.rule_sets.iter().enumerate();
+        let of_set = |(rule_set, set): (usize, &tables::RuleSet)| {
+            (0..set.stages.len()).map(move |stage| derive::StageId { rule_set, stage })
+        };
+        sets.flat_map(of_set).collect()
     }
 
     /// Whether the last module of a curve is followed by the first.

@@ -1,7 +1,8 @@
-//! What a derivation starts from: axioms as records and nets.
+//! What a derivation starts from: axioms as columns.
 
 use super::collect::Collected;
-use super::derive::{Modules, Options};
+use super::columns::Content;
+use super::derive::Options;
 use super::layout::{self, Layout, NONE};
 use super::{Error, Plan, Settings};
 use crate::language::eval;
@@ -14,13 +15,15 @@ pub trait Start {
     /// What [`collect`](super::derive::collect) makes of it.
     type Word: Collected;
 
-    /// Its modules as records and nets; `each` is what [`Start::each`] says.
+    /// Its modules; `each` is what [`Start::each`] says.
     ///
     /// # Errors
     /// Where they do not fit the plan, or an argument has no value.
-    fn modules(&self, plan: &Plan, values: &Settings, each: &[Settings]) -> Result<Modules, Error>;
+    fn content(&self, plan: &Plan, values: &Settings, each: &[Settings]) -> Result<Content, Error>;
     /// Roots, each of which may be bound a value of its own.
     fn roots(&self) -> usize;
+    /// Whether other params make other modules.
+    fn reads_params(&self) -> bool;
     /// Of several words at once what each runs with; else none.
     ///
     /// # Errors
@@ -33,18 +36,21 @@ pub trait Start {
 impl Start for patch::Axiom {
     type Word = patch::Word;
 
-    fn modules(&self, plan: &Plan, values: &Settings, _: &[Settings]) -> Result<Modules, Error> {
+    fn content(&self, plan: &Plan, values: &Settings, _: &[Settings]) -> Result<Content, Error> {
         plan.axiom(self, &values.uniforms)
     }
     fn roots(&self) -> usize {
         self.roots.len()
+    }
+    fn reads_params(&self) -> bool {
+        self.roots.iter().any(|root| !root.args.is_empty())
     }
 }
 
 impl Start for curve::Words {
     type Word = Vec<curve::Word>;
 
-    fn modules(&self, plan: &Plan, _: &Settings, each: &[Settings]) -> Result<Modules, Error> {
+    fn content(&self, plan: &Plan, _: &Settings, each: &[Settings]) -> Result<Content, Error> {
         let Layout { link: Some(link), word: Some(word), record_words, .. } = plan.tables.layout else {
             return Err(Error::Axiom("several words need a plan of words: Plan::of_words".to_string()));
         };
@@ -60,10 +66,13 @@ impl Start for curve::Words {
                 }
             }
         }
-        Ok((records, Vec::new()))
+        Ok(Content::of_records(records))
     }
     fn roots(&self) -> usize {
         self.words.iter().map(|start| start.axiom.len()).sum()
+    }
+    fn reads_params(&self) -> bool {
+        self.words.iter().any(|start| start.axiom.reads_params())
     }
     fn each(&self, plan: &Plan, options: &Options) -> Result<Vec<Settings>, Error> {
         let values = |start: &curve::Start| {
@@ -81,24 +90,29 @@ impl Start for curve::Words {
 impl Start for curve::Axiom {
     type Word = curve::Word;
 
-    fn modules(&self, plan: &Plan, values: &Settings, _: &[Settings]) -> Result<Modules, Error> {
+    fn content(&self, plan: &Plan, values: &Settings, _: &[Settings]) -> Result<Content, Error> {
         if plan.tables.layout.word.is_some() {
             return Err(Error::Axiom("a plan of words takes several of them: curve::Words".to_string()));
         }
-        Ok((plan.curve_axiom(self, &values.uniforms)?, Vec::new()))
+        Ok(Content::of_records(plan.curve_axiom(self, &values.uniforms)?))
     }
     fn roots(&self) -> usize {
         self.len()
     }
+    fn reads_params(&self) -> bool {
+        self.parts
+            .iter()
+            .any(|part| part.shift.is_some() || part.modules.iter().any(|module| !module.args.is_empty()))
+    }
 }
 
 impl Plan {
-    /// The word of the axiom as records and nets: each root a module.
+    /// The word of the axiom: each root a module.
     ///
     /// # Errors
     /// [`Error::Axiom`] for a net of another degree, or one that does not hold together
     /// ([`patch::Net::validate`]); [`Error::Value`] for an argument without a value.
-    pub fn axiom(&self, axiom: &patch::Axiom, uniforms: &[Value]) -> Result<Modules, Error> {
+    pub fn axiom(&self, axiom: &patch::Axiom, uniforms: &[Value]) -> Result<Content, Error> {
         let layout = &self.tables.layout;
         if layout.is_curve() {
             let message = format!("{} is a curve system, and begins with points, not nets", self.system.name);
@@ -125,7 +139,7 @@ impl Plan {
             records.extend(record);
             nets.extend(&start.net.points);
         }
-        Ok((records, nets))
+        Ok(Content::of_nets(records, nets))
     }
 
     /// Writes the parameters of a module of the axiom, which may be one of another system.

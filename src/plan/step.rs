@@ -1,16 +1,19 @@
 //! One step, written once. Read this second.
 //!
 //! A step rewrites every module of a chunk at once, in the passes listed here; each reads only
-//! what passes before it have written whole. Both backends walk this list: the CPU runs the
-//! function and the GPU the kernel of the same name (`src/cpu/NAME.rs`, `wgsl/NAME.wgsl`).
+//! what passes before it have written whole. Which of them a stage runs is its
+//! [program](super::program), which both backends walk: the CPU runs the function and the GPU the
+//! kernel of the same name (`src/cpu/NAME.rs`, `wgsl/NAME.wgsl`).
 //!
 //! ```text
+//! join            what stands beside a chunk                    records → records
 //! measure         attributes of nets, where rules read any      nets → attributes
-//! link            of linked words what contexts see            records → links
-//! turtle          of curves: where the turtle stands        records → attributes
+//! turtle          of curves: where the turtle stands            records → attributes
 //! turtle_linked   the same of words with links
+//! link            of linked words what contexts see             records → links
 //! match_modules   which rule fires on each module               records → rules
-//! claim           what rules of several predecessors take         rules → rules
+//! claim           what rules of several predecessors take       rules → rules
+//! hang            of linked words what children hang on         rules → links
 //! count           how many modules come of it                   rules → counts
 //! scan            where the first of them goes                  counts → offsets
 //! emit            children: symbols, parameters, addresses, nets  → records, nets
@@ -23,13 +26,17 @@
 //! `scan`, `compact` and `retire` are skipped: `emit` finds the rule by the symbol alone and writes
 //! to c·i. Nothing decides an index but a scan.
 
-/// A column: one array with an entry for every module of a chunk, or for the whole chunk.
+use super::columns::Stored;
+
+/// A column: one array with an entry for every element of a domain, for every tile of a scan, or for the whole chunk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Column {
-    /// Records before the step.
-    Records,
-    /// Nets before the step.
-    Nets,
+    /// Of the word before the step.
+    Before(Stored),
+    /// Of the word after the step.
+    After(Stored),
+    /// Of the retired modules.
+    Finished(Stored),
     /// What the host gives, then for each module the attributes that rules read: [`super::measure`].
     Attributes,
     /// The rule that fires on each module: an index into the stage's rule table, whose last two
@@ -37,26 +44,22 @@ pub enum Column {
     Rules,
     /// Modules that each module becomes.
     Counts,
-    /// Exclusive prefix sum of the counts, and the total behind the last.
+    /// Exclusive prefix sum of the counts, and the total after the last.
     Offsets,
-    /// Records after the step.
-    NextRecords,
-    /// Nets after the step.
-    NextNets,
-    /// Prefix sums of the tiles of a scan, and the total behind the last.
+    /// Prefix sums of the tiles of a scan, and the total after the last.
     Sums,
-    /// Rigid motions of tiles, or of modules: [`super::turtle`].
+    /// The same of the scan that finds retired modules.
+    RetiredSums,
+    /// Rigid motions of tiles: [`super::turtle`].
+    TileMotions,
+    /// Rigid motions of modules, in two halves.
     Motions,
     /// The motion that goes from one chunk to the next.
     Carried,
     /// Indices of the retired modules in ascending order.
     Retired,
-    /// Records of the retired modules.
-    FinishedRecords,
-    /// Nets of the retired modules.
-    FinishedNets,
-    /// Of linked words what modules hang on: four sections, each with a word for every module ([`super::links`]); of
-    /// the turtle two.
+    /// Of linked words what modules hang on: four sections, each with a word for every module ([`super::links`]); before
+    /// these are known, two of the turtle.
     Links,
     /// Flags of the chunk: see [`Status`].
     Status,
@@ -67,75 +70,184 @@ pub enum Column {
     Extent,
 }
 
-/// A pass of the step: its name, and its columns in the order of their bindings.
-#[derive(Clone, Copy, Debug)]
-pub struct Pass {
-    pub name: &'static str,
-    pub reads: &'static [Column],
-    pub writes: &'static [Column],
+/// A pass of the step. Which of them a stage runs, and over what, is its [program](super::program).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Pass {
+    Join,
+    Measure,
+    Turtle,
+    TurtleLinked,
+    Link,
+    Match,
+    Claim,
+    Hang,
+    Count,
+    Scan,
+    Emit,
+    EmitWord,
+    Compact,
+    Retire,
 }
 
-impl Pass {
-    /// What it binds, in order, and whether that is written. Of a linked word contexts and children read its links,
-    /// behind all else.
-    pub fn bindings(&self, linked: bool) -> Vec<(Column, bool)> {
-        let links = linked && [MATCH.name, EMIT_WORD.name].contains(&self.name);
-        let reads = self.reads.iter().map(|c| (*c, false));
-        let written = reads.chain(self.writes.iter().map(|c| (*c, true)));
-        written.chain(links.then_some((Links, false))).collect()
+/// What is the same of a pass in every stage.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// As messages name it.
+    pub name: &'static str,
+    /// The kernel: `wgsl/NAME.wgsl`.
+    pub kernel: &'static str,
+    /// Its entry points, in the order in which they run.
+    pub entries: &'static [&'static str],
+    /// Its columns in the order of their bindings: those read, then those written.
+    pub reads: &'static [Column],
+    pub writes: &'static [Column],
+    /// The kernel depends on the rules, not on the layout alone.
+    pub of_rules: bool,
+}
+
+impl Row {
+    /// What it binds, in order, and whether that is written.
+    pub fn bindings(&self) -> impl Iterator<Item = (Column, bool)> + use<> {
+        let reads = self.reads.iter().map(|&column| (column, false));
+        reads.chain(self.writes.iter().map(|&column| (column, true)))
     }
 }
 
 use Column::*;
+use Stored::{Nets, Records};
 
-/// The attributes of nets.
-pub const MEASURE: Pass =
-    Pass { name: "measure", reads: &[Extent, Environment, Records, Nets], writes: &[Attributes] };
-/// Where the turtle stands at each module, where a word is traced: a scan, as [`SCAN`].
-pub const TURTLE: Pass =
-    Pass { name: "turtle", reads: &[Extent, Records], writes: &[Attributes, Motions, Carried] };
-/// The same where modules have links.
-pub const TURTLE_LINKED: Pass =
-    Pass { name: "turtle_linked", reads: &[Extent, Records], writes: &[Attributes, Motions, Links] };
-/// What contexts see around the modules of a linked word; and, when it is known what they become, what their children
-/// hang on.
-pub const LINK: Pass = Pass { name: "link", reads: &[Extent, Environment, Records, Rules], writes: &[Links] };
-/// Which rule fires on each module. Of a linked word it also reads its links, and so does `emit_word`.
-pub const MATCH: Pass = Pass {
-    name: "match_modules",
-    reads: &[Extent, Environment, Records, Attributes],
-    writes: &[Rules, Status],
-};
-/// Which rules fire of those that match, where some replace several modules of a curve.
-pub const CLAIM: Pass = Pass { name: "claim", reads: &[Extent, Environment], writes: &[Rules, Sums, Status] };
-/// How many modules come of each.
-pub const COUNT: Pass = Pass { name: "count", reads: &[Extent, Environment, Rules], writes: &[Counts] };
-/// Where the first of them goes.
-pub const SCAN: Pass = Pass { name: "scan", reads: &[Extent, Counts], writes: &[Offsets, Sums] };
-/// The children.
-pub const EMIT: Pass = Pass {
-    name: "emit",
-    reads: &[Extent, Environment, Records, Nets, Rules, Offsets, Attributes],
-    writes: &[NextRecords, NextNets, Status],
-};
-/// The children of a curve's modules, which have no nets and are never retired.
-pub const EMIT_WORD: Pass = Pass {
-    name: "emit_word",
-    reads: &[Extent, Environment, Records, Rules, Offsets, Attributes],
-    writes: &[NextRecords, Status],
-};
-/// Which modules are retired.
-pub const COMPACT: Pass = Pass { name: "compact", reads: &[Extent, Rules], writes: &[Retired, Sums] };
-/// The retired modules, copied to where they stay.
-pub const RETIRE: Pass = Pass {
-    name: "retire",
-    reads: &[Extent, Records, Nets, Retired],
-    writes: &[FinishedRecords, FinishedNets, Status],
-};
+impl Pass {
+    /// All of them.
+    pub const ALL: [Pass; 14] = [
+        Pass::Join,
+        Pass::Measure,
+        Pass::Turtle,
+        Pass::TurtleLinked,
+        Pass::Link,
+        Pass::Match,
+        Pass::Claim,
+        Pass::Hang,
+        Pass::Count,
+        Pass::Scan,
+        Pass::Emit,
+        Pass::EmitWord,
+        Pass::Compact,
+        Pass::Retire,
+    ];
 
-/// All passes, in the order in which they run; of a curve `emit_word` takes the place of `emit`.
-pub const PASSES: [Pass; 12] =
-    [MEASURE, TURTLE, TURTLE_LINKED, LINK, MATCH, CLAIM, COUNT, SCAN, EMIT, EMIT_WORD, COMPACT, RETIRE];
+    /// Its row of the table of passes.
+    pub const fn row(self) -> Row {
+        match self {
+            Pass::Join => Row {
+                name: "join",
+                kernel: "join",
+                entries: &["join"],
+                reads: &[Extent],
+                writes: &[Before(Records)],
+                of_rules: false,
+            },
+            Pass::Measure => Row {
+                name: "measure",
+                kernel: "measure",
+                entries: &["measure"],
+                reads: &[Extent, Environment, Before(Records), Before(Nets)],
+                writes: &[Attributes],
+                of_rules: true,
+            },
+            // A scan, as `Scan`.
+            Pass::Turtle => Row {
+                name: "turtle",
+                kernel: "turtle",
+                entries: &["reduce", "spine", "turtle"],
+                reads: &[Extent, Before(Records)],
+                writes: &[Attributes, TileMotions, Carried],
+                of_rules: true,
+            },
+            Pass::TurtleLinked => Row {
+                name: "turtle_linked",
+                kernel: "turtle_linked",
+                entries: &["begin", "away", "back", "turtle_linked"],
+                reads: &[Extent, Before(Records)],
+                writes: &[Attributes, Motions, Links],
+                of_rules: true,
+            },
+            Pass::Link => Row {
+                name: "link",
+                kernel: "link",
+                entries: &["start", "link", "settle", "jump"],
+                reads: &[Extent, Environment, Before(Records), Rules],
+                writes: &[Links],
+                of_rules: true,
+            },
+            Pass::Match => Row {
+                name: "match_modules",
+                kernel: "match_modules",
+                entries: &["match_modules"],
+                reads: &[Extent, Environment, Before(Records), Attributes],
+                writes: &[Rules, Status],
+                of_rules: true,
+            },
+            Pass::Claim => Row {
+                name: "claim",
+                kernel: "claim",
+                entries: &["reduce", "spine", "claim"],
+                reads: &[Extent, Environment],
+                writes: &[Rules, Sums, Status],
+                of_rules: true,
+            },
+            // The same kernel as `Link`, when it is known what modules become.
+            Pass::Hang => Row { name: "hang", entries: &["unhang", "rehang"], ..Pass::Link.row() },
+            Pass::Count => Row {
+                name: "count",
+                kernel: "count",
+                entries: &["count"],
+                reads: &[Extent, Environment, Rules],
+                writes: &[Counts],
+                of_rules: true,
+            },
+            Pass::Scan => Row {
+                name: "scan",
+                kernel: "scan",
+                entries: &["reduce", "spine", "scan"],
+                reads: &[Extent, Counts],
+                writes: &[Offsets, Sums],
+                of_rules: false,
+            },
+            Pass::Emit => Row {
+                name: "emit",
+                kernel: "emit",
+                entries: &["emit"],
+                reads: &[Extent, Environment, Before(Records), Before(Nets), Rules, Offsets, Attributes],
+                writes: &[After(Records), After(Nets), Status],
+                of_rules: true,
+            },
+            Pass::EmitWord => Row {
+                name: "emit_word",
+                kernel: "emit_word",
+                entries: &["emit_word"],
+                reads: &[Extent, Environment, Before(Records), Rules, Offsets, Attributes],
+                writes: &[After(Records), Status],
+                of_rules: true,
+            },
+            Pass::Compact => Row {
+                name: "compact",
+                kernel: "compact",
+                entries: &["reduce", "spine", "compact"],
+                reads: &[Extent, Rules],
+                writes: &[Retired, RetiredSums],
+                of_rules: false,
+            },
+            Pass::Retire => Row {
+                name: "retire",
+                kernel: "retire",
+                entries: &["retire"],
+                reads: &[Extent, Before(Records), Before(Nets), Retired],
+                writes: &[Finished(Records), Finished(Nets), Status],
+                of_rules: false,
+            },
+        }
+    }
+}
 
 /// What the rules may know of the time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -149,22 +261,27 @@ pub struct Clock {
     pub seed: u32,
 }
 
-/// What the host says of a dispatch; a uniform of 32 bytes.
+/// What the host says of a dispatch; a uniform of 48 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Extent {
-    /// Modules of the chunk.
+    /// Modules of the chunk; for `retire` those that are retired.
     pub count: u32,
     /// Modules that fit in the buffers that the pass writes; nothing is written past them.
     pub capacity: u32,
-    /// The rule id that `compact` looks for; of a curve, modules from the chunk's first to the end of the word, and for
-    /// `emit_word` modules of the new word before it.
+    /// The rule id that `compact` looks for.
     pub wanted: u32,
     pub clock: Clock,
     /// Words that the host gives: where the measured attributes begin.
     pub given: u32,
     /// Not 0: every module is kept, since nothing fired in the step before and the derive ends there.
     pub halted: u32,
+    /// Where modules have neighbours: modules of the word before the chunk, and from the chunk's first to the end.
+    pub before: u32,
+    pub behind: u32,
+    /// Modules of the new word before those that come of the chunk.
+    pub made: u32,
+    pub reserved: u32,
 }
 
 /// What a chunk says of a step; 32 bytes. Each word only ever rises during a step.

@@ -7,6 +7,7 @@
 
 use super::derive::StageId;
 use super::schedule::Derive;
+use super::tables::RulesOf;
 use super::{Error, Plan};
 
 /// The most sweeps that a recorded schedule may have.
@@ -16,6 +17,8 @@ pub const MOST_TURNS: usize = 4096;
 pub const ENDS_STEP: u32 = 1;
 pub const ENDS_DERIVE: u32 = 2;
 pub const UNTIL_TERMINAL: u32 = 4;
+/// What it makes of nothing is the point at which a turtle starts.
+pub const STARTS: u32 = 8;
 
 /// One sweep of a recorded schedule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,7 +40,8 @@ pub struct TurnWords {
     pub index: u32,
     pub growth: u32,
     pub flags: u32,
-    pub reserved: u32,
+    /// Modules whose children a workgroup of the next sweep writes.
+    pub children: u32,
 }
 
 /// What a recorded derivation says of itself; 32 bytes.
@@ -77,7 +81,8 @@ impl Progress {
 pub fn turns(plan: &Plan, schedule: &[Derive]) -> Result<Vec<Turn>, Error> {
     let mut turns = Vec::new();
     for derive in schedule {
-        let stages = &plan.tables.rule_sets[derive.rule_set].stages;
+        let set = &plan.tables.rule_sets[derive.rule_set];
+        let stages = &set.stages;
         let sweeps = u64::from(derive.count) * stages.len() as u64;
         if turns.len() as u64 + sweeps > MOST_TURNS as u64 {
             return Err(Error::Value(format!(
@@ -93,6 +98,7 @@ pub fn turns(plan: &Plan, schedule: &[Derive]) -> Result<Vec<Turn>, Error> {
                     (last, ENDS_STEP),
                     (last && step + 1 == derive.count, ENDS_DERIVE),
                     (derive.until_terminal, UNTIL_TERMINAL),
+                    (matches!(set.of, RulesOf::Trace(_)), STARTS),
                 ];
                 turns.push(Turn {
                     stage: StageId { rule_set: derive.rule_set, stage: n },

@@ -163,8 +163,8 @@ fn buffers_beyond_a_binding_are_refused_by_name() {
         "an upload",
         Gpu::new(&engine, &few.plan)
             .and_then(|mut gpu| {
-                let (records, nets) = many.plan.axiom(&many.axiom, &[])?;
-                gpu.upload(records, nets).map(|_| ())
+                let content = many.plan.axiom(&many.axiom, &[])?;
+                gpu.upload(content).map(|_| ())
             })
             .err(),
     );

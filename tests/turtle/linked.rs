@@ -111,6 +111,9 @@ pub fn linked_plan(ring: bool) -> burgeon::plan::Plan {
     let tables = std::sync::Arc::make_mut(&mut plan.tables);
     tables.layout = layout(true);
     tables.turtle = super::accuracy::plan(ring, &tables.layout);
+    for stage in tables.rule_sets.iter_mut().flat_map(|set| &mut set.stages) {
+        stage.program = burgeon::plan::program::Program::of_words(stage, &tables.layout, false);
+    }
     plan
 }
 

@@ -1,5 +1,7 @@
 // The record's header: plan/layout.rs.
 
+import record;
+
 const NOWHERE = 0xffffffffu;
 const MAX_HALVINGS = 31u;
 

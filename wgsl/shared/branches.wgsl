@@ -1,6 +1,8 @@
 // Walking the links of a word: plan/links.rs.
 
 import links;
+import ignored;
+import searches;
 
 fn found(link: u32) -> u32 {
   if (link & SETTLED) == 0u || (link & TARGET) == TARGET {

@@ -1,6 +1,9 @@
 // Which children a module has and where they go: shared by the mappings of emit.
 
 import cell;
+import matching;
+import successors;
+import write_record;
 
 // What is done with a module.
 struct Emission {

@@ -9,6 +9,10 @@ struct Extent {
   seed: u32,
   given: u32,
   halted: u32,
+  before: u32,
+  behind: u32,
+  made: u32,
+  reserved: u32,
 }
 
 struct Status {

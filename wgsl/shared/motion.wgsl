@@ -5,6 +5,7 @@
 // lengths is traced without rounding, and comes out the same to the bit everywhere.
 
 import elementary;
+import commands;
 
 struct Motion {
   turn: vec4f,

@@ -120,7 +120,7 @@ pub(super) fn language_cases(cases: &mut Vec<Case>) {
             for stage in 0..plan.tables.rule_sets[0].stages.len() {
                 codegen::stage(&plan, StageId { rule_set: 0, stage }, &tuning).map_err(fail)?;
             }
-            codegen::shared(&plan.tables.layout, &tuning).map_err(fail)?;
+            codegen::shared(&plan, &tuning).map_err(fail)?;
             Ok(start.elapsed())
         };
         cases.push(Case {

@@ -81,8 +81,8 @@ pub(super) fn step_case<'a, B: Backend + 'a>(
     let layout = plan.tables.layout;
     let count = STEP_POINTS / layout.net_points();
     let nets = made(count, layout.degree, plan.rational());
-    let (records, nets) = plan.axiom(&axiom(plan, &nets), &uniforms).map_err(crate::command::run::of_plan)?;
-    let chunk = backend.upload(records, nets).map_err(fail)?;
+    let content = plan.axiom(&axiom(plan, &nets), &uniforms).map_err(crate::command::run::of_plan)?;
+    let chunk = backend.upload(content).map_err(fail)?;
     let (backend_name, threads, what) = label;
     let id = StageId { rule_set: 0, stage: 0 };
     let run = move || {

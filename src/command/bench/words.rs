@@ -6,6 +6,7 @@ use crate::command::run::of_plan;
 use burgeon::cpu::Cpu;
 use burgeon::curve::{Axiom, Words};
 use burgeon::language::Value;
+use burgeon::plan::columns::Content;
 use burgeon::plan::derive::{self, Backend, Outcome, StageId};
 use burgeon::plan::step::Clock;
 use burgeon::plan::{Options, Plan};
@@ -219,8 +220,8 @@ pub(super) fn cases<'a, B: Backend + 'a>(
         let mut backend = backend(symbols)?;
         let words = symbols.tables.layout.record_words;
         let record = |n: usize| (0..words).map(move |word| if word == 0 { n as u32 % 3 } else { 0 });
-        let chunk =
-            backend.upload((0..SYMBOLS_LENGTH).flat_map(record).collect(), Vec::new()).map_err(fail)?;
+        let records = (0..SYMBOLS_LENGTH).flat_map(record).collect();
+        let chunk = backend.upload(Content::of_records(records)).map_err(fail)?;
         let what = ("word/context", format!("{SYMBOLS_LENGTH} symbols by both neighbours"));
         cases.push(step_case(symbols, backend, vec![chunk], what, (name, threads), fail)?);
     }

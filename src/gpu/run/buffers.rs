@@ -1,11 +1,15 @@
 //! The buffers of a run, and what its kernels are bound to.
 
+use super::super::backend::label;
 use super::super::buffers as making;
-use super::super::kernels::{Binding, Kernel, SharedKernels, StageKernels};
+use super::super::kernels::{Binding, Kernel, Kernels};
 use super::super::{Engine, Error};
+use super::starts::{StartGroups, Starts};
 use crate::plan::Plan;
+use crate::plan::columns::Stored;
 use crate::plan::derive::StageId;
-use crate::plan::step::{Extent, Status};
+use crate::plan::program;
+use crate::plan::step::{Column, Extent};
 use crate::plan::turns::{Progress, TurnWords};
 use std::collections::HashMap;
 use wgpu::BufferUsages;
@@ -13,7 +17,7 @@ use wgpu::BufferUsages;
 /// Uniforms of a buffer of several begin at multiples of this.
 pub(super) const SLOT: u64 = 256;
 
-/// Bytes of the workgroups of a sweep: for an invocation a module, for their scan, and for emit.
+/// Bytes of the workgroups of a sweep: for an invocation a module, for their scan, and for their children.
 pub(super) const DISPATCH_BYTES: u64 = 48;
 
 /// Where modules stand: the axiom, and two buffers that take turns.
@@ -24,21 +28,20 @@ pub(super) fn next(place: usize) -> usize {
     if place == 1 { 2 } else { 1 }
 }
 
+/// The columns of a word; none of those that it has not.
+pub(super) type Stand = [Option<wgpu::Buffer>; Stored::COUNT];
+
 pub(super) struct Buffers {
     /// Of the axiom, which the host writes, then of the words.
-    pub records: [wgpu::Buffer; PLACES],
-    pub nets: [wgpu::Buffer; PLACES],
-    pub rules: wgpu::Buffer,
-    pub counts: wgpu::Buffer,
-    pub offsets: wgpu::Buffer,
-    pub sums: wgpu::Buffer,
-    /// The values given, then the attributes measured.
-    pub attributes: wgpu::Buffer,
+    pub places: [Stand; PLACES],
+    /// What sweeps write besides, as large as that of any stage; the values given stand before the attributes.
+    columns: HashMap<Column, wgpu::Buffer>,
+    /// Bound where a pass reads a column that nothing has written, and does not look at it.
+    nothing: wgpu::Buffer,
     /// Of every turn, and one slot more, of the word.
     pub extents: wgpu::Buffer,
     pub dispatches: wgpu::Buffer,
     pub turns: wgpu::Buffer,
-    pub status: wgpu::Buffer,
     pub progress: wgpu::Buffer,
 }
 
@@ -59,109 +62,132 @@ impl Room {
 }
 
 impl Buffers {
-    /// Around the records and nets of an axiom. The count of derivations goes on where there were buffers before.
+    /// Around the columns of an axiom. The count of derivations goes on where there were buffers before.
     pub fn new(
         engine: &Engine,
         plan: &Plan,
         room: &Room,
-        axiom: [wgpu::Buffer; 2],
+        axiom: Stand,
         before: Option<&Buffers>,
     ) -> Result<Buffers, Error> {
         let layout = plan.tables.layout;
         let make = |label: &'static str, bytes: u64, usage| making::make(engine, label, bytes, usage);
         let storage = BufferUsages::STORAGE;
-        let n = u64::from(room.modules);
+        let (n, tile) = (u64::from(room.modules), engine.tuning().tile());
         let slots = room.turns as u64 + 1;
-        let tiles = n.div_ceil(u64::from(engine.tuning().tile()));
-        let measured = plan.tables.most_measured() as u64;
-        let [records, nets] = axiom;
-        let record = |label| make(label, n * layout.record_bytes(), storage);
-        let net = |label| make(label, n * layout.net_bytes(), storage);
+        let stand = || {
+            let mut stand: Stand = [const { None }; Stored::COUNT];
+            for column in layout.columns() {
+                let bytes = layout.shape(column).chunk_bytes(n);
+                stand[column as usize] = Some(make(label(column), bytes, storage)?);
+            }
+            Ok::<_, Error>(stand)
+        };
+        let mut sizes: HashMap<Column, u64> = HashMap::new();
+        for stage in plan.stages().into_iter().map(|id| id.of(plan)) {
+            let written = stage.program.recorded().flat_map(|work| &work.bindings).filter(|bound| bound.1);
+            for &(column, _) in written.chain([&(Column::Attributes, true)]) {
+                let Some(size) = program::size(column, stage, room.given) else { continue };
+                let bytes = sizes.entry(column).or_default();
+                *bytes = size.bytes(n, tile).max(*bytes);
+            }
+        }
+        let mut columns = HashMap::new();
+        for (column, bytes) in sizes {
+            columns.insert(column, make(of_run(column), bytes, storage)?);
+        }
+        let given = (room.given as u64 * 4).max(16);
+        if !columns.contains_key(&Column::Attributes) {
+            columns.insert(Column::Attributes, make(of_run(Column::Attributes), given, storage)?);
+        }
+        for column in [Column::Offsets, Column::Status] {
+            // Read between sweeps, those of closed growth among them.
+            if !columns.contains_key(&column) {
+                columns.insert(column, make(of_run(column), 32, storage)?);
+            }
+        }
         Ok(Buffers {
-            records: [records, record("burgeon records")?, record("burgeon records in turn")?],
-            nets: [nets, net("burgeon nets")?, net("burgeon nets in turn")?],
-            rules: make("burgeon rules", n * 4, storage)?,
-            counts: make("burgeon counts", n * 4, storage)?,
-            offsets: make("burgeon offsets", (n + 1) * 4, storage)?,
-            sums: make("burgeon sums", (tiles + 1) * 4, storage)?,
-            attributes: make("burgeon attributes", (room.given as u64 + n * measured) * 4, storage)?,
+            places: [axiom, stand()?, stand()?],
+            columns,
+            nothing: make("burgeon nothing", 16, storage)?,
             extents: make("burgeon extents", slots * SLOT, storage | BufferUsages::UNIFORM)?,
             dispatches: make("burgeon workgroups", slots * DISPATCH_BYTES, storage | BufferUsages::INDIRECT)?,
             turns: make("burgeon turns", slots * SLOT, BufferUsages::UNIFORM)?,
-            status: make("burgeon status", size_of::<Status>() as u64, storage)?,
             progress: match before {
                 Some(before) => before.progress.clone(),
                 None => make("burgeon progress", size_of::<Progress>() as u64, storage)?,
             },
         })
     }
+
+    /// A column of the sweeps.
+    pub fn column(&self, column: Column) -> &wgpu::Buffer {
+        self.columns.get(&column).unwrap_or(&self.nothing)
+    }
+
+    /// What a pass binds as a column that reads this place.
+    fn binding<'b>(&'b self, kernels: &'b Kernels, id: StageId, column: Column, place: usize) -> Binding<'b> {
+        let stands = |place: usize, stored: Stored| self.places[place][stored as usize].as_ref();
+        Binding::whole(match column {
+            Column::Before(stored) => stands(place, stored).unwrap_or(&self.nothing),
+            Column::After(stored) => stands(next(place), stored).unwrap_or(&self.nothing),
+            Column::Environment => return kernels.environment(id),
+            Column::Extent => {
+                let bytes = size_of::<Extent>() as u64;
+                return Binding { buffer: &self.extents, offset: 0, bytes };
+            }
+            other => self.column(other),
+        })
+    }
 }
 
-/// What the kernels are bound to; those of a stage from each place.
+/// What a device calls a column of a run.
+fn of_run(column: Column) -> &'static str {
+    super::super::sweep::pooled(column).unwrap_or(match column {
+        Column::Attributes => "burgeon attributes",
+        Column::Status => "burgeon status",
+        Column::Carried => "burgeon turtle",
+        _ => "burgeon column",
+    })
+}
+
+/// What the kernels are bound to.
 pub(super) struct Groups {
-    pub stages: HashMap<StageId, [StageGroups; PLACES]>,
-    pub scan: wgpu::BindGroup,
+    /// Of a stage from each place, one for each pass of its program.
+    pub stages: HashMap<StageId, [Vec<wgpu::BindGroup>; PLACES]>,
     pub proceed: wgpu::BindGroup,
-}
-
-pub(super) struct StageGroups {
-    pub measure: Option<wgpu::BindGroup>,
-    pub matching: wgpu::BindGroup,
-    pub count: wgpu::BindGroup,
-    pub emit: wgpu::BindGroup,
+    pub starts: StartGroups,
 }
 
 impl Groups {
     pub fn new(
         engine: &Engine,
-        stages: &HashMap<StageId, StageKernels>,
-        shared: &SharedKernels,
+        plan: &Plan,
+        kernels: &Kernels,
         proceed: &Kernel,
+        starts: &Starts,
         b: &Buffers,
     ) -> Groups {
-        let extent = Binding { buffer: &b.extents, offset: 0, bytes: size_of::<Extent>() as u64 };
         let turn = Binding { buffer: &b.turns, offset: 0, bytes: size_of::<TurnWords>() as u64 };
-        let [rules, counts, offsets, sums] = [&b.rules, &b.counts, &b.offsets, &b.sums].map(Binding::whole);
-        let [attributes, status] = [&b.attributes, &b.status].map(Binding::whole);
-        let of_stage = |kernels: &StageKernels, place: usize| {
-            let environment = Binding::whole(&kernels.environment);
-            let [records, nets] = [&b.records[place], &b.nets[place]].map(Binding::whole);
-            let [next_records, next_nets] =
-                [&b.records[next(place)], &b.nets[next(place)]].map(Binding::whole);
-            let bind = |kernel: &Kernel, bound: &[Binding]| kernel.bind(engine, bound);
-            StageGroups {
-                measure: kernels
-                    .measure
-                    .as_ref()
-                    .map(|kernel| bind(kernel, &[extent, environment, records, nets, attributes])),
-                matching: bind(
-                    &kernels.match_modules,
-                    &[extent, environment, records, attributes, rules, status],
-                ),
-                count: bind(&kernels.count, &[extent, environment, rules, counts]),
-                emit: bind(
-                    &kernels.emit,
-                    &[
-                        extent,
-                        environment,
-                        records,
-                        nets,
-                        rules,
-                        offsets,
-                        attributes,
-                        next_records,
-                        next_nets,
-                        status,
-                    ],
-                ),
-            }
+        let from = |id: StageId, place: usize| {
+            id.of(plan)
+                .program
+                .recorded()
+                .map(|work| {
+                    let columns = work.bindings.iter();
+                    let bound: Vec<Binding> =
+                        columns.map(|&(column, _)| b.binding(kernels, id, column, place)).collect();
+                    kernels.of(id, work.pass).bind(engine, &bound)
+                })
+                .collect()
         };
-        let from_each = |kernels| [0, 1, 2].map(|place| of_stage(kernels, place));
         let [extents, dispatches, progress] = [&b.extents, &b.dispatches, &b.progress].map(Binding::whole);
+        let [offsets, status] = [Column::Offsets, Column::Status].map(|c| Binding::whole(b.column(c)));
+        let stages = plan.stages().into_iter().map(|id| (id, [0, 1, 2].map(|place| from(id, place))));
         Groups {
-            stages: stages.iter().map(|(id, kernels)| (*id, from_each(kernels))).collect(),
-            scan: shared.scan.bind(engine, &[extent, counts, offsets, sums]),
+            stages: stages.collect(),
             proceed: proceed.bind(engine, &[turn, offsets, status, extents, dispatches, progress]),
+            starts: starts.groups(engine, b),
         }
     }
 }

@@ -19,37 +19,40 @@
 //! run.set(&[("bend".to_string(), Value::Float(0.3))])?;
 //! let mut encoder = device.create_command_encoder(&Default::default());
 //! run.encode(&mut encoder);
-//! // … passes of the host's that read run.records(), run.nets() and the number of modules in run.progress() …
+//! // … passes of the host's that read run.column(…) and the number of modules in run.progress() …
 //! queue.submit([encoder.finish()]);
 //! # Ok(())
 //! # }
 //! ```
 //!
-//! Modules stand in the order of the derivation tree. None is retired: a module on which no rule can fire is
-//! copied at each step, so that the word is one piece in one buffer, in order.
+//! It begins with whatever [`derive`](crate::plan::derive::derive()) begins with: the axiom of a patch system or of a
+//! curve, or several words at once. Modules stand in the order of the word. None is retired: a module on which no rule
+//! can fire is copied at each step, so that the word is one piece in one buffer, in order.
 //!
 //! Where the word outgrows its room, or a net is halved more often than an address holds, there is no word: its
 //! length is 0, nothing was written past the end, and [`Run::status`] says some frames later what was needed.
 //! A [`Tessellator`](super::tessellate::Tessellator) of the run then goes on with the word before.
 
 mod buffers;
+mod starts;
 
 use super::buffers as reading;
-use super::kernels::{self, Bound, Kernel, SharedKernels, StageKernels};
+use super::kernels::{self, Bound, Kernel, Kernels};
 use super::report::Report;
 use super::{Engine, Error, warm};
 use crate::codegen;
 use crate::language::expr::Value;
 use crate::patch::{self, Values};
-use crate::plan::collect;
-use crate::plan::derive::StageId;
-use crate::plan::given::Given;
-use crate::plan::step::{Clock, Extent};
+use crate::plan::collect::Collected;
+use crate::plan::columns::{Content, Stored};
+use crate::plan::derive::{Asked, StageId, Start};
+use crate::plan::program::Over;
+use crate::plan::step::{Clock, Column, Extent};
 use crate::plan::tables::rule_word;
 use crate::plan::turns::{self, Progress, Turn, TurnWords};
-use crate::plan::{Plan, Settings, View, schedule};
-use buffers::{Buffers, DISPATCH_BYTES, Groups, Room, SLOT, next};
-use std::collections::HashMap;
+use crate::plan::{self, Given, Plan, Settings, View};
+use buffers::{Buffers, DISPATCH_BYTES, Groups, Room, SLOT, Stand, next};
+use starts::Starts;
 
 /// With what a run begins. All but a seed of its own may change from frame to frame.
 #[derive(Clone, Debug, Default)]
@@ -64,99 +67,110 @@ pub struct Options {
     pub seed: Option<u32>,
 }
 
-/// A plan and an axiom on a device, to be derived again and again.
-pub struct Run {
+impl Options {
+    fn of_plan(&self) -> plan::Options<'static> {
+        let Options { set, bind, view, seed } = self.clone();
+        plan::Options { set, bind, view, seed, ..plan::Options::default() }
+    }
+}
+
+/// A plan and what it starts from on a device, to be derived again and again.
+pub struct Run<S = patch::Axiom> {
     engine: Engine,
     plan: Plan,
-    axiom: patch::Axiom,
+    start: S,
+    /// Modules that it starts with.
+    first: u32,
     options: Options,
     settings: Settings,
+    /// Words derived at once; 0 where it is one alone.
+    words: usize,
     given: Given,
     turns: Vec<Turn>,
     room: Room,
     rooms: u32,
-    stages: HashMap<StageId, StageKernels>,
-    shared: SharedKernels,
+    kernels: Kernels,
     proceed: Kernel,
+    starts: Starts,
     buffers: Buffers,
     groups: Groups,
     report: Report<Progress>,
 }
 
-impl Run {
+impl<S: Start + Clone> Run<S> {
     /// Compiles the kernels and makes room for words of so many modules, of the axiom's at least. Waits for nothing.
     ///
     /// # Errors
-    /// What [`Plan::uniforms`], [`Given::new`], [`Plan::axiom`] and the schedule say of the options;
-    /// [`Error::Binding`] for room that the device cannot bind; a schedule of more than
-    /// [`MOST_TURNS`](turns::MOST_TURNS) sweeps; what the device says.
+    /// What [`derive`](plan::derive::derive()) says of the start and the options; [`Error::Binding`] for room that the
+    /// device cannot bind; a schedule of more than [`MOST_TURNS`](turns::MOST_TURNS) sweeps; several words at once that
+    /// are traced, where nothing may be left of one; what the device says.
     pub fn new(
         engine: &Engine,
         plan: &Plan,
-        axiom: &patch::Axiom,
+        start: &S,
         options: &Options,
         modules: u32,
-    ) -> Result<Run, Error> {
-        Run::with_points(engine, plan, axiom, options, modules, None)
+    ) -> Result<Run<S>, Error> {
+        Run::with_column(engine, plan, start, options, modules, None)
     }
 
-    /// The same from control points that lie on the device.
-    pub(super) fn with_points(
+    /// The same from a column of the axiom that lies on the device already, if one is given.
+    pub(super) fn with_column(
         engine: &Engine,
         plan: &Plan,
-        axiom: &patch::Axiom,
+        start: &S,
         options: &Options,
         modules: u32,
-        points: Option<&wgpu::Buffer>,
-    ) -> Result<Run, Error> {
-        let asked = Asked::of(plan, axiom, options)?;
-        let (records, nets) = plan.axiom(axiom, &asked.settings.uniforms)?;
+        there: Option<(Stored, &wgpu::Buffer)>,
+    ) -> Result<Run<S>, Error> {
+        let asked = Asked::of(plan, start, &options.of_plan())?;
+        let content = start.content(plan, &asked.settings, &asked.each)?;
+        let turns = turns::turns(plan, &asked.schedule)?;
         kernels::fits(engine, plan)?;
         engine.checked("preparing a derivation", || {
             let layout = plan.tables.layout;
-            let mut stages = HashMap::new();
-            for (rule_set, set) in plan.tables.rule_sets.iter().enumerate() {
-                for stage in 0..set.stages.len() {
-                    let id = StageId { rule_set, stage };
-                    let words = environment(plan, id, &asked.settings.uniforms, &asked.given);
-                    stages.insert(id, StageKernels::new(engine, plan, id, &words)?);
-                }
+            let mut kernels = Kernels::new(engine);
+            for id in plan.stages() {
+                let words = environment(plan, id, &asked.settings.uniforms, &asked.given);
+                kernels.compile(plan, id, &words, id.of(plan).program.recorded())?;
             }
-            let shared = SharedKernels::new(engine, &layout)?;
-            let shader = codegen::proceed_edited(&layout, engine.tuning(), engine.edit.as_ref())?;
+            let shader = codegen::proceed_edited(engine.tuning(), engine.edit.as_ref())?;
             use Bound::{Read, Slot, Written};
             let bound = [Slot, Read, Written, Written, Written, Written];
             let proceed = Kernel::with_bindings(engine, &shader, &bound, &["start", "proceed"]);
-            let made = |label, bytes: &[u8]| {
-                let buffer = reading::storage(engine, label, bytes.len() as u64)?;
-                engine.queue.write_buffer(&buffer, 0, bytes);
-                Ok::<_, Error>(buffer)
-            };
-            let records = made("burgeon axiom", bytemuck::cast_slice(&records))?;
-            let nets = match points {
-                Some(points) => points.clone(),
-                None => made("burgeon control points", bytemuck::cast_slice(&nets))?,
-            };
-            let room = Room {
-                modules: modules.max(axiom.roots.len() as u32),
-                given: asked.given.words.len(),
-                turns: asked.turns.len(),
-            };
-            let buffers = Buffers::new(engine, plan, &room, [records, nets], None)?;
-            let groups = Groups::new(engine, &stages, &shared, &proceed, &buffers);
+            let first = layout.modules(&content) as u32;
+            let mut axiom: Stand = [const { None }; Stored::COUNT];
+            for column in layout.columns() {
+                axiom[column as usize] = Some(match there {
+                    Some((known, buffer)) if known == column => buffer.clone(),
+                    _ => {
+                        let bytes = layout.shape(column).chunk_bytes(first.into());
+                        let buffer = reading::storage(engine, of_axiom(column), bytes)?;
+                        write(engine, plan, &buffer, &content, column);
+                        buffer
+                    }
+                });
+            }
+            let room =
+                Room { modules: modules.max(first), given: asked.given.words.len(), turns: turns.len() };
+            let starts = Starts::new(engine, plan)?;
+            let buffers = Buffers::new(engine, plan, &room, axiom, None)?;
+            let groups = Groups::new(engine, plan, &kernels, &proceed, &starts, &buffers);
             let run = Run {
                 engine: engine.clone(),
                 plan: plan.clone(),
-                axiom: axiom.clone(),
+                start: start.clone(),
+                first,
                 options: options.clone(),
                 settings: asked.settings,
+                words: asked.each.len(),
                 given: asked.given,
-                turns: asked.turns,
+                turns,
                 room,
                 rooms: 0,
-                stages,
-                shared,
+                kernels,
                 proceed,
+                starts,
                 buffers,
                 groups,
                 report: Report::new(engine),
@@ -201,15 +215,15 @@ impl Run {
     }
 
     fn take(&mut self, options: Options) -> Result<(), Error> {
-        let asked = Asked::of(&self.plan, &self.axiom, &options)?;
+        let asked = Asked::of(&self.plan, &self.start, &options.of_plan())?;
+        let turns = turns::turns(&self.plan, &asked.schedule)?;
         let engine = self.engine.clone();
         let changed = self.settings.uniforms != asked.settings.uniforms;
-        let records = match changed && self.axiom.roots.iter().any(|root| !root.args.is_empty()) {
-            true => Some(self.plan.axiom(&self.axiom, &asked.settings.uniforms)?.0),
+        let content = match changed && self.start.reads_params() {
+            true => Some(self.start.content(&self.plan, &asked.settings, &asked.each)?),
             false => None,
         };
-        let wanted =
-            Room { given: asked.given.words.len(), turns: asked.turns.len(), modules: self.room.modules };
+        let wanted = Room { given: asked.given.words.len(), turns: turns.len(), modules: self.room.modules };
         if !self.room.holds(&wanted) {
             self.make_room(Room {
                 given: wanted.given.max(self.room.given),
@@ -217,21 +231,20 @@ impl Run {
                 ..wanted
             })?;
         }
-        if let Some(records) = records {
-            engine.queue.write_buffer(&self.buffers.records[0], 0, bytemuck::cast_slice(&records));
+        // What else the axiom has the host may have written.
+        if let (Some(content), Some(records)) = (content, self.axiom_column(Stored::Records)) {
+            write(&engine, &self.plan, records, &content, Stored::Records);
         }
-        for (id, kernels) in &self.stages {
-            let words = environment(&self.plan, *id, &asked.settings.uniforms, &asked.given);
-            engine.queue.write_buffer(&kernels.environment, 0, bytemuck::cast_slice(&words));
-        }
+        self.kernels
+            .set_environments(|id| environment(&self.plan, id, &asked.settings.uniforms, &asked.given));
         let others = self.given.words != asked.given.words;
         let reseeded = self.settings.seed != asked.settings.seed;
         (self.options, self.settings, self.given) = (options, asked.settings, asked.given);
         if others {
             self.write_given();
         }
-        if others || reseeded || self.turns != asked.turns {
-            self.turns = asked.turns;
+        if others || reseeded || self.turns != turns {
+            self.turns = turns;
             self.write_turns();
         }
         Ok(())
@@ -242,16 +255,16 @@ impl Run {
     /// # Errors
     /// [`Error::Binding`], and what the device says; then the old room is still there.
     pub fn set_capacity(&mut self, modules: u32) -> Result<(), Error> {
-        let modules = modules.max(self.axiom.roots.len() as u32);
-        self.make_room(Room { modules, ..self.room })
+        self.make_room(Room { modules: modules.max(self.first), ..self.room })
     }
 
     fn make_room(&mut self, room: Room) -> Result<(), Error> {
         let engine = self.engine.clone();
         engine.checked("making room for a derivation", || {
-            let axiom = [&self.buffers.records[0], &self.buffers.nets[0]].map(Clone::clone);
+            let axiom = self.buffers.places[0].clone();
             let buffers = Buffers::new(&engine, &self.plan, &room, axiom, Some(&self.buffers))?;
-            self.groups = Groups::new(&engine, &self.stages, &self.shared, &self.proceed, &buffers);
+            let Run { plan, kernels, proceed, starts, .. } = &*self;
+            self.groups = Groups::new(&engine, plan, kernels, proceed, starts, &buffers);
             (self.buffers, self.room) = (buffers, room);
             self.rooms += 1;
             self.report = Report::new(&engine);
@@ -277,17 +290,13 @@ impl Run {
 
     /// Dispatches all kernels over no workgroups.
     pub(super) fn idle(&self, pass: &mut wgpu::ComputePass) {
-        for (id, kernels) in &self.stages {
-            let Some([groups, ..]) = self.groups.stages.get(id) else { continue };
-            if let (Some(kernel), Some(group)) = (&kernels.measure, &groups.measure) {
-                warm::idle(pass, kernel, group);
+        for (id, [groups, ..]) in &self.groups.stages {
+            for (work, group) in id.of(&self.plan).program.recorded().zip(groups) {
+                warm::idle(pass, self.kernels.of(*id, work.pass), group);
             }
-            warm::idle(pass, &kernels.match_modules, &groups.matching);
-            warm::idle(pass, &kernels.count, &groups.count);
-            warm::idle(pass, &kernels.emit, &groups.emit);
         }
-        warm::idle(pass, &self.shared.scan, &self.groups.scan);
         warm::idle(pass, &self.proceed, &self.groups.proceed);
+        self.starts.idle(pass, &self.groups.starts);
     }
 
     /// Records the whole schedule: no submission, no wait, no buffer made.
@@ -310,31 +319,24 @@ impl Run {
         pass.dispatch_workgroups(1, 1, 1);
         let mut place = 0;
         for (index, turn) in self.turns.iter().enumerate() {
-            let (kernels, groups) = (&self.stages[&turn.stage], &self.groups.stages[&turn.stage][place]);
-            let slot = [index as u32 * SLOT as u32];
+            let slot = index as u32 * SLOT as u32;
             let workgroups = index as u64 * DISPATCH_BYTES;
-            let one = |pass: &mut wgpu::ComputePass, kernel: &Kernel, group: &wgpu::BindGroup, at: u64| {
-                pass.set_bind_group(0, group, &slot);
-                pass.set_pipeline(&kernel.pipelines[0]);
-                pass.dispatch_workgroups_indirect(&b.dispatches, workgroups + at);
-            };
-            if let (Some(kernel), Some(group)) = (&kernels.measure, &groups.measure) {
-                one(pass, kernel, group, 0);
+            self.starts.record(pass, &self.groups.starts, turn.stage.rule_set, next(place));
+            let works = turn.stage.of(&self.plan).program.recorded();
+            for (work, group) in works.zip(&self.groups.stages[&turn.stage][place]) {
+                let kernel = self.kernels.of(turn.stage, work.pass);
+                // How long the word is only the device knows: rounds are as many as the longest takes.
+                kernel.run(pass, (group, slot), work, self.room.modules.into(), |pass, over| {
+                    let at = match over {
+                        Over::Each(_) => 0,
+                        Over::Tiles(_) => 16,
+                        Over::Children => 32,
+                        Over::Group => return pass.dispatch_workgroups(1, 1, 1),
+                    };
+                    pass.dispatch_workgroups_indirect(&b.dispatches, workgroups + at);
+                });
             }
-            if turn.growth == 0 {
-                one(pass, &kernels.match_modules, &groups.matching, 0);
-                one(pass, &kernels.count, &groups.count, 0);
-                pass.set_bind_group(0, &self.groups.scan, &slot);
-                for (n, pipeline) in self.shared.scan.pipelines.iter().enumerate() {
-                    pass.set_pipeline(pipeline);
-                    match n {
-                        1 => pass.dispatch_workgroups(1, 1, 1),
-                        _ => pass.dispatch_workgroups_indirect(&b.dispatches, workgroups + 16),
-                    }
-                }
-            }
-            one(pass, &kernels.emit, &groups.emit, 32);
-            pass.set_bind_group(0, &self.groups.proceed, &slot);
+            pass.set_bind_group(0, &self.groups.proceed, &[slot]);
             pass.set_pipeline(&self.proceed.pipelines[1]);
             pass.dispatch_workgroups(1, 1, 1);
             place = next(place);
@@ -349,19 +351,17 @@ impl Run {
         }
     }
 
-    /// Records of the word, in the order of the derivation tree:
-    /// [`Layout::record_bytes`](crate::plan::layout::Layout::record_bytes) each. Another buffer when the schedule
-    /// has another number of sweeps.
-    pub fn records(&self) -> &wgpu::Buffer {
-        &self.buffers.records[self.place()]
+    /// A column of the word, in its order, after what stands beside it
+    /// ([`Layout::shape`](crate::plan::layout::Layout::shape)); none of those that the word has not. Another buffer when
+    /// the schedule has another number of sweeps.
+    pub fn column(&self, column: Stored) -> Option<&wgpu::Buffer> {
+        self.buffers.places[self.place()][column as usize].as_ref()
     }
-    /// Nets of the word, in the same order: [`Layout::net_bytes`](crate::plan::layout::Layout::net_bytes) each.
-    pub fn nets(&self) -> &wgpu::Buffer {
-        &self.buffers.nets[self.place()]
-    }
-    /// Control points of the axiom, one root after the other, four floats each: to be written by whoever moves them.
-    pub fn points(&self) -> &wgpu::Buffer {
-        &self.buffers.nets[0]
+    /// A column of the axiom, to be written by whoever moves it: of patches the control points of one root after the
+    /// other in [`Stored::Nets`], four floats each; of curves the points in [`Stored::Records`], where their parameters
+    /// stand.
+    pub fn axiom_column(&self, column: Stored) -> Option<&wgpu::Buffer> {
+        self.buffers.places[0][column as usize].as_ref()
     }
     /// [`Progress`], as the last derivation that has run left it: its first word is the number of modules.
     pub fn progress(&self) -> &wgpu::Buffer {
@@ -372,9 +372,12 @@ impl Run {
     pub(super) fn workgroups(&self) -> (&wgpu::Buffer, u64) {
         (&self.buffers.dispatches, self.turns.len() as u64 * DISPATCH_BYTES)
     }
-    /// The records wherever a word may stand, and which of them it is now.
-    pub(super) fn record_places(&self) -> (&[wgpu::Buffer], usize) {
-        (&self.buffers.records, self.place())
+    /// A column wherever a word may stand, and which of them it is now.
+    pub(super) fn column_places(&self, column: Stored) -> (Vec<&wgpu::Buffer>, usize) {
+        (
+            self.buffers.places.iter().filter_map(|stand| stand[column as usize].as_ref()).collect(),
+            self.place(),
+        )
     }
     pub fn plan(&self) -> &Plan {
         &self.plan
@@ -383,8 +386,9 @@ impl Run {
     pub fn options(&self) -> &Options {
         &self.options
     }
-    pub fn axiom(&self) -> &patch::Axiom {
-        &self.axiom
+    /// What it starts from.
+    pub fn start(&self) -> &S {
+        &self.start
     }
     /// How often room was made: then what binds the buffers must be bound anew.
     pub(super) fn rooms(&self) -> u32 {
@@ -405,83 +409,93 @@ impl Run {
     ///
     /// # Errors
     /// What the device says.
-    pub fn read(&self) -> Result<(Progress, patch::Word), Error> {
+    pub fn read(&self) -> Result<(Progress, S::Word), Error> {
         let (engine, layout) = (&self.engine, self.plan.tables.layout);
         let doing = "reading a derivation";
         let progress: Vec<Progress> =
             reading::read(engine, doing, self.progress(), size_of::<Progress>() as u64)?;
         let progress = progress.first().copied().unwrap_or_default();
         let n = u64::from(progress.modules.min(self.room.modules));
-        let records = reading::read(engine, doing, self.records(), n * layout.record_bytes())?;
-        let nets = reading::read(engine, doing, self.nets(), n * layout.net_bytes())?;
-        Ok((progress, collect::word(&self.plan, progress.steps, &records, nets)?))
+        let mut content = Content::default();
+        for column in layout.columns() {
+            let (shape, Some(buffer)) = (layout.shape(column), self.column(column)) else { continue };
+            let (at, bytes) = (shape.halo_bytes(), n * shape.bytes());
+            content[column] = reading::read_from(engine, doing, buffer, at, bytes)?;
+        }
+        Ok((progress, S::Word::of(&self.plan, progress.steps, self.words, vec![content])?))
     }
 
     fn write_given(&self) {
-        self.engine.queue.write_buffer(&self.buffers.attributes, 0, bytemuck::cast_slice(&self.given.words));
+        let attributes = self.buffers.column(Column::Attributes);
+        self.engine.queue.write_buffer(attributes, 0, bytemuck::cast_slice(&self.given.words));
     }
 
     /// The extents, as far as the host knows them, and the turns.
     fn write_turns(&self) {
         let (b, queue) = (&self.buffers, &self.engine.queue);
-        let count = self.axiom.roots.len() as u32;
-        let layout = &self.plan.tables.layout;
+        let (tuning, layout) = (self.engine.tuning(), &self.plan.tables.layout);
         let slot_words = SLOT as usize / 4;
         let mut extents = vec![0u32; (self.turns.len() + 1) * slot_words];
         let mut turns = extents.clone();
+        let writes = |turn: &Turn| {
+            let stage = turn.stage.of(&self.plan);
+            stage.program.writing.last().map(|work| (work.pass, stage))
+        };
         for (index, turn) in self.turns.iter().enumerate() {
             let extent = Extent {
-                count,
+                count: self.first,
                 capacity: self.room.modules,
                 clock: Clock { step: turn.step, run_step: 0, seed: self.settings.seed },
                 given: self.given.words.len() as u32,
+                behind: self.first,
                 ..Extent::default()
             };
-            let words =
-                TurnWords { index: index as u32, growth: turn.growth, flags: turn.flags, reserved: 0 };
+            let next = self.turns.get(index + 1).and_then(writes);
+            let children =
+                next.map_or(1, |(pass, stage)| tuning.children_a_group(pass, stage, layout) as u32);
+            let words = TurnWords { index: index as u32, growth: turn.growth, flags: turn.flags, children };
             let at = index * slot_words;
-            extents[at..at + 8].copy_from_slice(bytemuck::cast_slice(&[extent]));
+            let extent: [u32; size_of::<Extent>() / 4] = bytemuck::cast(extent);
+            extents[at..at + extent.len()].copy_from_slice(&extent);
             turns[at..at + 4].copy_from_slice(bytemuck::cast_slice(&[words]));
         }
         // A schedule without sweeps has the axiom as its word.
-        extents[0..2].copy_from_slice(&[count, self.room.modules]);
+        extents[0..2].copy_from_slice(&[self.first, self.room.modules]);
         queue.write_buffer(&b.extents, 0, bytemuck::cast_slice(&extents));
         queue.write_buffer(&b.turns, 0, bytemuck::cast_slice(&turns));
-        let tuning = self.engine.tuning();
         let groups = |invocations: u64, workgroup: u32| {
             let [x, y] = super::kernels::groups(invocations, workgroup);
             [x, y, 1, 0]
         };
-        let n = u64::from(count);
-        let first = [
-            groups(n, tuning.workgroup),
-            groups(n, tuning.tile()),
-            groups(tuning.emit_invocations(n, layout), tuning.workgroup),
-        ];
+        let n = u64::from(self.first);
+        let children = self.turns.first().and_then(writes);
+        let children = children.map_or(n, |(pass, stage)| tuning.children(pass, n, stage, layout));
+        let first =
+            [groups(n, tuning.workgroup), groups(n, tuning.tile()), groups(children, tuning.workgroup)];
         queue.write_buffer(&b.dispatches, 0, bytemuck::cast_slice(&first));
     }
 }
 
-/// What options come to.
-struct Asked {
-    settings: Settings,
-    given: Given,
-    turns: Vec<Turn>,
+/// What a device calls a column of the axiom.
+fn of_axiom(column: Stored) -> &'static str {
+    match column {
+        Stored::Records => "burgeon axiom",
+        Stored::Nets => "burgeon control points",
+    }
 }
 
-impl Asked {
-    fn of(plan: &Plan, axiom: &patch::Axiom, options: &Options) -> Result<Asked, Error> {
-        let settings = plan.settings(&options.set, options.seed)?;
-        let given = Given::new(&plan.system, axiom.roots.len(), &options.bind, options.view)?;
-        let turns = turns::turns(plan, &schedule::unroll(plan, &settings.uniforms)?)?;
-        Ok(Asked { settings, given, turns })
-    }
+/// Writes a column of the axiom.
+fn write(engine: &Engine, plan: &Plan, buffer: &wgpu::Buffer, content: &Content, column: Stored) {
+    let at = plan.tables.layout.shape(column).halo_bytes();
+    engine.queue.write_buffer(buffer, at, bytemuck::cast_slice(&content[column]));
 }
 
 /// The environment of a stage in which what could be retired is kept.
 fn environment(plan: &Plan, id: StageId, uniforms: &[Value], given: &Given) -> Vec<u32> {
     let stage = id.of(plan);
     let mut words = plan.environment(stage, uniforms, given);
-    words[stage.rule_table() + stage.retired() as usize] = rule_word(0, 1);
+    if stage.may_retire() {
+        words[stage.rule_table() + stage.retired() as usize] = rule_word(0, 1);
+    }
     words
 }

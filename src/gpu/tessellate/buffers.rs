@@ -4,6 +4,7 @@ use super::super::buffers as making;
 use super::super::{Engine, Error};
 use super::Capacity;
 use super::slab::{Drawn, Section, Slab};
+use crate::plan::step::Extent;
 use crate::tessellate::budget::Budget;
 use crate::tessellate::lattice::{MAX_DEPTH, Node};
 use crate::tessellate::level::Target;
@@ -21,8 +22,8 @@ pub(super) const ALL: u32 = LEVELS + 1;
 /// Uniforms of a buffer of several begin at multiples of this.
 pub(super) const SLOT: u64 = 256;
 
-/// Bytes of a range: count, first, level, needed, and four reserved words.
-pub(super) const RANGE_BYTES: u64 = 32;
+/// Bytes of a range: count, first, level, needed, and what else an extent has, which the scan reads it as.
+pub(super) const RANGE_BYTES: u64 = size_of::<Extent>() as u64;
 
 /// Bytes of the workgroups of a range: those for its nodes, then, 16 bytes on, those for their scan.
 pub(super) const DISPATCH_BYTES: u64 = 32;

@@ -5,6 +5,7 @@ use super::super::run::Run;
 use super::super::{Engine, Error, warm};
 use super::buffers::{Buffers, Of, RANGE_BYTES};
 use crate::codegen::{self, Shader, Tessellation};
+use crate::plan::Stored;
 
 /// One kernel a pass.
 pub(super) struct Kernels {
@@ -56,7 +57,7 @@ use Bound::{Read, Slot, Uniform, Written};
 impl Kernels {
     pub fn new(engine: &Engine, what: &Tessellation) -> Result<Kernels, Error> {
         let s = codegen::tessellation_edited(what, engine.tuning(), engine.edit.as_ref())?;
-        let kernel = |shader, bindings: &[Bound], entries: &[&str]| {
+        let kernel = |shader, bindings: &[Bound], entries: &[&'static str]| {
             Kernel::with_bindings(engine, shader, bindings, entries)
         };
         Ok(Kernels {
@@ -157,7 +158,7 @@ impl Kernels {
             Binding::whole(&words.shapes),
         ];
         Some(DerivedGroups {
-            recall: run.record_places().0.iter().map(recall).collect(),
+            recall: run.column_places(Stored::Records).0.into_iter().map(recall).collect(),
             adopt: kernels.adopt.bind(engine, &adopt),
             enter: kernels.enter.bind(engine, &enter),
         })

@@ -94,7 +94,7 @@ use super::run::Run;
 use super::{Engine, Error, warm};
 use crate::codegen::Tessellation;
 use crate::patch::{Net, Word};
-use crate::plan::Displacement;
+use crate::plan::{Displacement, Stored};
 use crate::tessellate::budget::ROUNDS;
 use crate::tessellate::lattice::Node;
 use crate::tessellate::level::Target;
@@ -210,7 +210,14 @@ impl Tessellator {
             let buffers = Buffers::new(engine, &input, capacity, None)?;
             let run = |rewriting: Rewriting| {
                 let Rewriting { plan, axiom, options } = rewriting;
-                Run::with_points(engine, plan, axiom, options, capacity.modules, Some(&buffers.nets))
+                Run::with_column(
+                    engine,
+                    plan,
+                    axiom,
+                    options,
+                    capacity.modules,
+                    Some((Stored::Nets, &buffers.nets)),
+                )
             };
             let run = rewriting.map(run).transpose()?;
             let rules = run.map(|run| Rules { groups: kernels.derived_groups(engine, &buffers, &run), run });

@@ -8,7 +8,7 @@ use super::{Capacity, Tessellator};
 use crate::language::expr::Value;
 use crate::language::system::System;
 use crate::patch::{Axiom, Net, Values};
-use crate::plan::{self, Plan, View, placement};
+use crate::plan::{self, Plan, Stored, View, placement};
 use crate::tessellate::lattice::NOWHERE;
 use crate::tessellate::word::MOST_SHAPES;
 use crate::tessellate::{Level, Options, Topology};
@@ -29,7 +29,7 @@ pub(super) struct Rewriting<'a> {
 
 impl<'a> Rewriting<'a> {
     pub fn of(run: &'a Run) -> Rewriting<'a> {
-        Rewriting { plan: run.plan(), axiom: run.axiom(), options: run.options() }
+        Rewriting { plan: run.plan(), axiom: run.start(), options: run.options() }
     }
 
     fn of_a_plan(&self) -> plan::Options<'static> {
@@ -154,7 +154,7 @@ impl Tessellator {
         let rules = self.rules.as_ref().ok_or(Error::NoRules)?;
         let modules = rules.run.capacity();
         let engine = self.engine.clone();
-        let old = &rules.run.axiom().roots;
+        let old = &rules.run.start().roots;
         if axiom.roots.len() != old.len() || axiom.roots.iter().zip(old).any(|(a, b)| a.net != b.net) {
             let (level, options) = (self.level.clone(), self.what.options);
             let capacity = self.capacity();
@@ -168,7 +168,8 @@ impl Tessellator {
         }
         let plan = Plan::keeping_holes(system).map_err(crate::plan::Error::from)?;
         let rewriting = Rewriting { plan: &plan, axiom, options: run };
-        let new = Run::with_points(&engine, &plan, axiom, run, modules, Some(&self.buffers.nets))?;
+        let there = Some((Stored::Nets, &self.buffers.nets));
+        let new = Run::with_column(&engine, &plan, axiom, run, modules, there)?;
         if plan.placement.is_some() || self.displacement.is_some() {
             self.displace(&plan, &rewriting.of_a_plan())?;
         }
@@ -183,7 +184,7 @@ impl Tessellator {
         let Some(Rules { run, groups: Some(groups) }) = &self.rules else { return };
         let (Some(kernels), Some(words)) = (&self.kernels.derived, &self.buffers.words) else { return };
         run.record(pass);
-        let (_, place) = run.record_places();
+        let (_, place) = run.column_places(Stored::Records);
         let (workgroups, at) = run.workgroups();
         pass.set_pipeline(&kernels.recall.pipelines[0]);
         pass.set_bind_group(0, &groups.recall[place], &[]);

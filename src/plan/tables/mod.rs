@@ -16,6 +16,7 @@ use crate::plan::given::Places;
 use crate::plan::layout::{CurveHeader, END, Layout};
 use crate::plan::links::{Linked, Links};
 use crate::plan::measure::Row;
+use crate::plan::program::Program;
 use crate::plan::supported::{self, Unsupported};
 use crate::plan::turtle::Turtle;
 use build::Builder;
@@ -147,6 +148,8 @@ pub struct Stage {
     pub row: Row,
     /// The rules' expressions as graphs; made when all symbols are known.
     pub code: StageCode,
+    /// The passes that it runs; made then, too.
+    pub program: Program,
 }
 
 impl Stage {
@@ -163,6 +166,7 @@ impl Stage {
             curve,
             row: Row::default(),
             code: StageCode::default(),
+            program: Program::default(),
         };
         for (rule, list) in productions.into_iter().enumerate() {
             let start = stage.productions.len();
@@ -173,7 +177,14 @@ impl Stage {
     }
 
     /// What depends on the symbols of all rule sets.
-    fn complete(&mut self, symbols: &[Symbol], searches: &[Search], places: &Environment, layout: &Layout) {
+    fn complete(
+        &mut self,
+        symbols: &[Symbol],
+        searches: &[Search],
+        places: &Environment,
+        layout: &Layout,
+        ignoring: bool,
+    ) {
         self.by_symbol = vec![Vec::new(); symbols.len()];
         for (id, rule) in self.rules.iter().enumerate() {
             self.by_symbol[rule.predecessor].push(id);
@@ -189,6 +200,10 @@ impl Stage {
         self.closed = if layout.link.is_some() { None } else { closed_growth(self, symbols) };
         self.row = Row::of_stage(self);
         self.code = StageCode::new(self, symbols, searches, places, layout);
+        self.program = match layout.is_curve() {
+            true => Program::of_words(self, layout, ignoring),
+            false => Program::of_nets(self),
+        };
     }
 
     /// Whether the rule may fire later on a module on which it does not fire now.
@@ -357,7 +372,7 @@ impl Tables {
         let param_words = symbols.iter().map(words_of).max().unwrap_or(0);
         let places = environment(system);
         for stage in rule_sets.iter_mut().flat_map(|set| &mut set.stages) {
-            stage.complete(&symbols, &searches, &places, &layout);
+            stage.complete(&symbols, &searches, &places, &layout, !system.ignored.is_empty());
         }
         // What nested blocks carry along takes room, too.
         let layout = match system.kind {

@@ -2,6 +2,7 @@
 // nothing of this is asked for.
 
 import ops;
+import displacement;
 
 // A vertex's record: plan/placement.rs.
 struct Record {
