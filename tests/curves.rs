@@ -1,6 +1,6 @@
 //! Curves: the papers' systems on both backends, their words in closed form, and chunks that nobody sees.
 
-mod engines;
+pub mod engines;
 mod examples;
 mod words;
 

@@ -79,7 +79,7 @@ impl Run {
     }
 
     fn seen(&self, word: &Word) -> Seen {
-        let paths = self.plan.tables.layout.has_paths();
+        let paths = self.plan.tables.layout.paths;
         let module = |m: &burgeon::curve::Module| SeenModule {
             symbol: word.symbols[m.symbol].name.clone(),
             params: m.params.iter().map(param).collect(),

@@ -96,7 +96,7 @@ impl<'a> Context<'a> {
                 }
                 Some((rule, scope)) => {
                     let production = &stage.productions[rule.productions.start];
-                    for cell in production.cells.iter().flatten() {
+                    for (_, cell) in production.successors() {
                         next.push(self.module(cell, &scope.borrow(self, step), rule.span)?);
                     }
                     at += production.length as usize;
@@ -194,10 +194,10 @@ impl<'a> Context<'a> {
 /// ([`crate::plan::layout`]), which are not followed here.
 pub fn refuse_others(plan: &Plan) -> Result<(), Error> {
     let (layout, name) = (plan.tables.layout, &plan.system.name);
-    if !layout.is_curve() {
+    if layout.net.is_some() {
         return Err(no_curve(&plan.system));
     }
-    if layout.link.is_some() || layout.word.is_some() {
+    if layout.halo() == 0 {
         let what = "words with branches, ignored symbols or several curves have no matrix in this version";
         return Err(Error::Rules(format!("{name}: {what}")));
     }

@@ -249,9 +249,9 @@ pub fn successors(stage: &Stage, layout: &Layout) -> Text {
         Some(word) => format!("r = m; {} = hang_of(m.index); return r;", lane(word).replacen('m', "r", 1)),
     };
     text.line(format!("  if rule >= {}u {{ {kept} }}", stage.keep()));
-    let all: usize = stage.productions.iter().map(|p| p.cells.len()).sum();
+    let all: usize = stage.productions.iter().map(Production::cells).sum();
     let case = |text: &mut Text, (id, p): (usize, &Production), c: usize, label: usize| {
-        if let Some(successor) = &p.cells[c] {
+        if let Some(successor) = p.successor(c) {
             text.of_rule(format!("    case {label}u: {{"), p.span);
             child(text, p, &stage.code.children[id], c, successor.symbol);
             text.line("    }");
@@ -260,14 +260,14 @@ pub fn successors(stage: &Stage, layout: &Layout) -> Text {
     if all <= MOST_CASES {
         text.line("  switch rule * CELLS + c {");
         for (id, p) in stage.productions.iter().enumerate() {
-            (0..p.cells.len()).for_each(|c| case(&mut text, (id, p), c, id * cells + c));
+            (0..p.cells()).for_each(|c| case(&mut text, (id, p), c, id * cells + c));
         }
         text.line("    default: {}");
         text.line("  }");
     } else {
         for (id, p) in stage.productions.iter().enumerate() {
-            for first in (0..p.cells.len()).step_by(MOST_CASES / 2) {
-                let end = p.cells.len().min(first + MOST_CASES / 2);
+            for first in (0..p.cells()).step_by(MOST_CASES / 2) {
+                let end = p.cells().min(first + MOST_CASES / 2);
                 text.line(format!("  if rule == {id}u && c >= {first}u && c < {end}u {{"));
                 text.line("  switch c {");
                 (first..end).for_each(|c| case(&mut text, (id, p), c, c));
@@ -289,7 +289,7 @@ pub fn only_children(stage: &Stage, items: usize) -> Text {
     text.line("fn write_children(base: u32) {");
     if let Some(production) = only_production(stage) {
         let code = &stage.code.children[0];
-        let growth = production.cells.len();
+        let growth = production.cells();
         // The records that any of the modules reads, by their places behind `base`.
         let offset = |node: &Node| match node {
             Node::Near(_, offset, _) | Node::NearSymbol(offset) => *offset,
@@ -309,8 +309,8 @@ pub fn only_children(stage: &Stage, items: usize) -> Text {
             let used = code.args.iter().flatten().map(|arg| arg.0);
             let near = (low..=high).map(|offset| (offset, name(item + offset))).collect();
             let values = Values::with_near(&mut text, &code.graph, used, "    ", production.span, near);
-            for (c, (cell, args)) in production.cells.iter().zip(&code.args).enumerate() {
-                let Some(successor) = cell else { continue };
+            for (c, successor) in production.successors() {
+                let args = &code.args[c];
                 text.line(format!("    var r{c} = Record();"));
                 text.of_rule(format!("    r{c}.q0.x = {}u;", successor.symbol), production.span);
                 for &(node, at) in args {
@@ -334,7 +334,7 @@ pub fn only_production(stage: &Stage) -> Option<&Production> {
 
 /// The most cells of a production.
 pub fn cells(stage: &Stage) -> usize {
-    stage.productions.iter().map(|p| p.cells.len()).max().unwrap_or(1).max(1)
+    stage.productions.iter().map(Production::cells).max().unwrap_or(1).max(1)
 }
 
 fn child(text: &mut Text, p: &Production, code: &ChildCode, cell: usize, symbol: usize) {

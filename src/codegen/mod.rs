@@ -78,7 +78,7 @@ impl Tuning {
     fn mapping_of(&self, layout: &Layout) -> Mapping {
         match self.mapping {
             Mapping::NetPerInvocation if lines(layout) > 5 => Mapping::LinePerInvocation,
-            Mapping::PointPerInvocation if layout.degree != [3, 3] => Mapping::LinePerInvocation,
+            Mapping::PointPerInvocation if layout.net != Some([3, 3]) => Mapping::LinePerInvocation,
             mapping => mapping,
         }
     }
@@ -136,7 +136,8 @@ const WORKGROUP_BYTES: usize = 16 << 10;
 
 /// Rows or columns, whichever are more.
 fn lines(layout: &Layout) -> usize {
-    layout.degree[0].max(layout.degree[1]) as usize + 1
+    let [rows, columns] = layout.net_sides();
+    rows.max(columns).max(1)
 }
 
 /// A linked and validated WGSL module.
@@ -285,8 +286,8 @@ fn layout_constants(layout: &Layout, tuning: &Tuning) -> String {
         layout.link.unwrap_or(0),
         layout.word.unwrap_or(0),
         layout.net_points(),
-        layout.degree[0] + 1,
-        layout.degree[1] + 1,
+        layout.net_sides()[0],
+        layout.net_sides()[1],
         lines(layout),
         tuning.nets_by_line(layout),
     )

@@ -84,7 +84,7 @@ fn compiled(source: &Source, system: &System, warnings: &mut Vec<Diagnostic>) ->
 
 /// The kernel of the vertices that the placement displaces.
 fn vertices(plan: &Plan, placement: &Placement) -> Result<codegen::Shader, codegen::Error> {
-    let (degree, rational) = (plan.tables.layout.degree, plan.rational());
+    let (degree, rational) = (plan.tables.layout.net.unwrap_or_default(), plan.rational());
     let what = Tessellation { degree, rational, word: true, derived: false, options: Default::default() };
     codegen::vertices(&what, Some(placement), &Tuning::GPU, None)
 }

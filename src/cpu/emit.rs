@@ -61,7 +61,7 @@ pub fn emit(
     let fits = AtomicBool::new(true);
     let work = || {
         let mut registers: Vec<_> = stage.productions.iter().map(|_| Registers::default()).collect();
-        let mut splitter = Splitter::new(input.layout.degree);
+        let mut splitter = Splitter::new(input.layout.net.unwrap_or([1; 2]));
         loop {
             let next = parts.lock().unwrap_or_else(PoisonError::into_inner).next();
             let Some((modules, out)) = next else { return };
@@ -136,11 +136,11 @@ fn write_records(
     out: &mut [u32],
 ) -> bool {
     let header = Header::read(record);
-    let cells = (0..4).filter_map(|c| Some((c, production.cells[c].as_ref()?)));
+    let cells = production.successors();
     let mut fits = true;
     for ((cell, successor), child) in cells.zip(out.chunks_exact_mut(record.len())) {
         child.fill(0);
-        let next = header.child(production.halves, cell as u32 >> 1, cell as u32 & 1);
+        let next = header.child(production.halves(), cell as u32 >> 1, cell as u32 & 1);
         fits &= next.is_some();
         Header { symbol: successor.symbol as u16, ..next.unwrap_or(header) }.write(child);
         for &(register, at) in &code.args[cell] {

@@ -97,8 +97,8 @@ fn emit_part(
             program::run(&code.graph, part, &mut registers[rule]);
             ready[rule] = true;
         }
-        for (cell, args) in production.cells.iter().zip(&code.args) {
-            let Some(successor) = cell else { continue };
+        for (cell, successor) in production.successors() {
+            let args = &code.args[cell];
             let child = &mut out[at..at + words];
             at += words;
             only_symbol(child, successor.symbol);
@@ -136,9 +136,9 @@ fn all_the_same(
     out: &mut [u32],
     words: usize,
 ) {
-    let growth = production.cells.len();
-    for (c, (cell, args)) in production.cells.iter().zip(&stage.code.children[0].args).enumerate() {
-        let Some(successor) = cell else { continue };
+    let growth = production.cells();
+    for (c, successor) in production.successors() {
+        let args = &stage.code.children[0].args[c];
         let mut columns: [Option<&[u32; BLOCK]>; 4] = [None; 4];
         if words == 4 {
             for &(register, word) in args {

@@ -56,8 +56,8 @@ impl Lanes {
         }
         let mut builder = Builder { graph: &code.graph, ops: Vec::new(), known: Vec::new() };
         let mut children = Vec::new();
-        for (cell, args) in production.cells.iter().zip(&code.args) {
-            let symbol = cell.as_ref()?.symbol as u32;
+        for (cell, args) in code.args.iter().enumerate() {
+            let symbol = production.successor(cell)?.symbol as u32;
             let in_order = args.iter().map(|arg| arg.1).eq(1..coordinates + 1);
             let floats = args.iter().all(|arg| code.graph.scalar(arg.0) == Scalar::Float);
             if !in_order || !floats {

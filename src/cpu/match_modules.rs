@@ -32,7 +32,7 @@ pub fn status(stage: &Stage, words: &[u32], block: &Input, rules: &[u32]) -> Sta
     for (i, &rule) in rules.iter().enumerate() {
         if rule < stage.keep() {
             status.fired = 1;
-            if block.layout.is_curve() {
+            if block.layout.net.is_none() {
                 continue;
             }
             let header = Header::read(block.record(i));

@@ -26,7 +26,7 @@ struct Measured<'a> {
 pub fn measure(row: &Row, input: &Input, nets: &[[f32; 4]], rational: bool, view: usize, out: &mut [u32]) {
     let n = input.layout.net_points();
     let spread = |degree: u8| -> Vec<f32> { (0..=degree).map(|i| i as f32 / degree as f32).collect() };
-    let parameters = input.layout.degree.map(spread);
+    let parameters = input.layout.net.unwrap_or([1; 2]).map(spread);
     let columns = parameters[1].len();
     let view = &input.environment[view..];
     out.par_chunks_mut(BLOCK * row.words).enumerate().for_each(|(block, out)| {

@@ -3,7 +3,7 @@
 use super::context::{Near, Place, Search};
 use super::graph::{Constants, Graph, Names, NodeId, Subject};
 use super::layout::Layout;
-use super::tables::{Environment, MatchRule, Production, Stage, Symbol};
+use super::tables::{Becomes, Environment, MatchRule, Production, Stage, Symbol};
 use crate::language::expr::Expr;
 
 /// When a rule fires, and on which of its productions.
@@ -70,9 +70,9 @@ impl StageCode {
         for production in &stage.productions {
             let rule = &stage.rules[production.rule];
             let mut lower = Lower::new(stage, rule, (symbols, searches), environment, layout, &mut constants);
-            let mut args = Vec::with_capacity(production.cells.len());
-            for cell in &production.cells {
-                let Some(cell) = cell else {
+            let mut args = Vec::with_capacity(production.cells());
+            for cell in 0..production.cells() {
+                let Some(cell) = production.successor(cell) else {
                     args.push(Vec::new());
                     continue;
                 };
@@ -107,10 +107,6 @@ impl<'a> Lower<'a> {
     ) -> Self {
         let own = symbols[rule.predecessor].words.iter().map(|&at| (Place::Strict(0), at));
         let fields = own.chain(rule.reads.iter().copied()).collect();
-        let path = match layout.is_curve() {
-            true => vec![1, 2],
-            false => vec![1, 2, 3],
-        };
         let mut lower = Lower {
             graph: Graph::default(),
             names: Names {
@@ -120,7 +116,7 @@ impl<'a> Lower<'a> {
                 searches,
                 environment,
                 subject: Subject::Module(&stage.row),
-                path,
+                path: layout.identity.to_vec(),
                 lets: Vec::new(),
                 site: rule.site,
                 constants,
@@ -141,13 +137,13 @@ impl<'a> Lower<'a> {
         slot: u32,
         layout: &Layout,
     ) -> Vec<(NodeId, usize)> {
-        if !layout.has_paths() {
+        if !layout.paths {
             return Vec::new();
         }
-        let path = match production.relabels {
+        let path = match production.becomes {
             _ if stage.roots => self.graph.root_path(slot),
-            true => self.graph.path(),
-            false => self.graph.child_path(slot),
+            Becomes::Word { relabels: true, .. } => self.graph.path(),
+            _ => self.graph.child_path(slot),
         };
         path.into_iter().zip(1..).collect()
     }
@@ -180,7 +176,7 @@ impl<'a> Lower<'a> {
     }
 
     fn unchanged(&mut self, production: &Production, symbols: &[Symbol]) -> Option<Vec<(NodeId, usize)>> {
-        let cell = production.cells.first()?.as_ref().filter(|_| production.relabels_itself())?;
+        let cell = production.successor(0).filter(|_| production.relabels_itself())?;
         Some(self.args(&cell.args, &symbols[cell.symbol]))
     }
 }

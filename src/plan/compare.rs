@@ -459,15 +459,7 @@ fn place_in_records(plan: &Plan, records: &[u32], at: usize) -> String {
     let layout = &plan.tables.layout;
     let words = layout.record_words;
     let (module, word) = (at / words, at % words);
-    let mut curve = vec!["symbol"];
-    curve.extend(
-        layout.has_paths().then_some(["high word of the path", "low word of the path"]).into_iter().flatten(),
-    );
-    curve.extend(layout.link.map(|_| "link"));
-    curve.extend(layout.word.map(|_| "word"));
-    let patch =
-        ["symbol and halvings", "root", "high word of the key", "low word of the key", "row", "column"];
-    let header = if layout.is_curve() { &curve[..layout.header_words] } else { &patch[..] };
+    let header = plan.tables.kind.header(layout);
     let Some(record) = records.get(module * words..(module + 1) * words) else {
         return format!("word {word} of module {module}");
     };
@@ -503,7 +495,7 @@ fn origin(
         }
     };
     let production = stage.productions.get(rule)?;
-    let cell = (0..production.cells.len()).filter(|&c| production.cells[c].is_some()).nth(nth)?;
+    let (cell, _) = production.successors().nth(nth)?;
     Some((parent, rule, cell))
 }
 

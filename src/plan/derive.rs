@@ -351,7 +351,7 @@ impl<B: Backend> Run<'_, B> {
             self.frontier.push(self.backend.upload(content)?);
             return Ok(());
         }
-        if layout.link.is_some() {
+        if layout.one_piece() {
             let halves = layout.word.and_then(|_| links::halves(content.records(), &layout));
             let too_long = || Error::TooLong { modules: modules as u64, most: most as u64, step };
             let [first, second] = halves.ok_or_else(too_long)?;
@@ -424,7 +424,7 @@ impl<B: Backend> Run<'_, B> {
         let layout = self.plan.tables.layout;
         let growth = id.of(self.plan).max_count() as usize;
         let whole = self.backend.most_modules();
-        let most = if layout.link.is_some() { whole } else { (whole / growth).max(1) };
+        let most = if layout.one_piece() { whole } else { (whole / growth).max(1) };
         let most = self.options.chunk_modules.map_or(most, |m| most.min(m.max(1)));
         let mut fired = false;
         let mut next = Vec::new();
@@ -446,7 +446,7 @@ impl<B: Backend> Run<'_, B> {
                 return Err(Error::Stopped { steps: self.steps.len() as u32 }.into());
             }
             let length = self.backend.len(&chunk);
-            if length > most && layout.link.is_none() {
+            if length > most && !layout.one_piece() {
                 waiting.extend(self.backend.split(chunk, most)?.into_iter().rev());
                 continue;
             }
@@ -458,18 +458,18 @@ impl<B: Backend> Run<'_, B> {
                 waiting.extend(halves.into_iter().rev());
                 continue;
             }
-            if layout.link.is_some() {
+            if layout.one_piece() {
                 self.fits_one_chunk(length as u64)?;
             }
             // The word as it stands, this chunk's old modules among it, is there beside the new ones.
             let held = self.modules * layout.module_bytes();
             let mut room = self.options.max_bytes.saturating_sub(held);
-            if layout.link.is_some() {
+            if layout.one_piece() {
                 room = room.min(whole as u64 * layout.module_bytes());
             }
             let outcome = self.backend.step(id, clock, &chunk, room)?;
             if let Outcome::NoRoom { modules, .. } = outcome
-                && layout.link.is_some()
+                && layout.one_piece()
                 && modules > whole as u64
                 && let Some(halves) = self.halves(&chunk)?
             {
@@ -495,7 +495,7 @@ impl<B: Backend> Run<'_, B> {
                     self.modules = self.modules + new - length as u64;
                 }
                 Outcome::NoRoom { needed, modules } => {
-                    if layout.link.is_some() {
+                    if layout.one_piece() {
                         self.fits_one_chunk(modules)?;
                     }
                     return Err(Error::Memory {

@@ -58,11 +58,18 @@ pub struct Layout {
     pub record_words: usize,
     /// Words before the parameters.
     pub header_words: usize,
-    /// The words of a curve's record that hold its link and the index of its word, where it has them.
+    /// The words that name a module for ever, in which random numbers begin; none where none are drawn and they are not
+    /// kept.
+    pub identity: &'static [usize],
+    /// Words 1 and 2 are a path, which is made of the parent's.
+    pub paths: bool,
+    /// The words of the record that hold its link and the index of its word, where it has them.
     pub link: Option<usize>,
     pub word: Option<usize>,
-    /// Degrees along u and v, 1..=8; none of a curve's modules, which have no net.
-    pub degree: [u8; 2],
+    /// Modules beside a chunk's own, on either side.
+    pub(crate) halo: usize,
+    /// Degrees along u and v of nets, 1..=8 each, where modules have nets.
+    pub net: Option<[u8; 2]>,
 }
 
 /// What the records of a curve hold before their parameters, besides the symbol.
@@ -79,9 +86,12 @@ impl Layout {
         Layout {
             record_words: (HEADER_WORDS + param_words).next_multiple_of(4),
             header_words: HEADER_WORDS,
+            identity: &[1, 2, 3],
+            paths: false,
             link: None,
             word: None,
-            degree,
+            halo: 0,
+            net: Some(degree),
         }
     }
 
@@ -98,33 +108,34 @@ impl Layout {
         Layout {
             record_words: (header_words + param_words).next_multiple_of(4),
             header_words,
+            identity: if has.paths { &[1, 2] } else { &[] },
+            paths: has.paths,
             link,
             word,
-            degree: [0; 2],
+            halo: if link.is_none() { HALO } else { 0 },
+            net: None,
         }
     }
 
-    /// Whether a curve's modules have paths.
-    pub fn has_paths(&self) -> bool {
-        self.is_curve() && self.header_words > 1 && self.link != Some(1) && self.word != Some(1)
-    }
-
-    /// Whether the modules are points of a curve, with neighbours and without nets.
-    pub fn is_curve(&self) -> bool {
-        self.degree == [0; 2]
+    /// Whether a word is one chunk, since its modules name each other by their index.
+    pub fn one_piece(&self) -> bool {
+        self.link.is_some()
     }
 
     /// Modules beside a chunk's own, on either side.
     pub fn halo(&self) -> usize {
-        if self.is_curve() && self.link.is_none() { HALO } else { 0 }
+        self.halo
+    }
+
+    /// Rows and columns of a net; none where modules have no nets.
+    pub fn net_sides(&self) -> [usize; 2] {
+        self.net.map_or([0; 2], |degree| degree.map(|d| d as usize + 1))
     }
 
     /// Control points a net: rows × columns.
     pub fn net_points(&self) -> usize {
-        if self.is_curve() {
-            return 0;
-        }
-        (self.degree[0] as usize + 1) * (self.degree[1] as usize + 1)
+        let [rows, columns] = self.net_sides();
+        rows * columns
     }
 
     /// Modules of a chunk, the widest column of which takes so many bytes.

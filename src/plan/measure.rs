@@ -71,7 +71,7 @@ impl Row {
     /// What the rules of a stage read.
     pub fn of_stage(stage: &Stage) -> Row {
         let rules = stage.rules.iter().flat_map(|r| r.lets.iter().chain(&r.guards).chain(&r.weights));
-        let cells = stage.productions.iter().flat_map(|p| p.cells.iter().flatten());
+        let cells = stage.productions.iter().flat_map(|p| p.successors().map(|(_, cell)| cell));
         Row::of(rules.chain(cells.flat_map(|c| &c.args)))
     }
 

@@ -14,6 +14,7 @@ pub mod edges;
 pub mod given;
 pub mod graph;
 pub mod holes;
+mod kind;
 pub mod layout;
 pub mod links;
 pub mod measure;
@@ -30,7 +31,7 @@ pub mod turns;
 pub mod turtle;
 
 use crate::language::expr::Value;
-use crate::language::system::{Axiom, CurveStart, Kind, System, Topology, UniformKind};
+use crate::language::system::{Kind, System, Topology, UniformKind};
 use crate::language::{Span, Type, eval};
 use std::sync::Arc;
 
@@ -172,18 +173,7 @@ impl Plan {
     /// fires in each of them, and the derive.
     pub fn without_end(&self) -> Option<(Span, Span)> {
         let first = schedule::unroll(self, &self.defaults()).ok()?.into_iter().next()?;
-        let axiom: Vec<usize> = match &self.system.axiom {
-            Axiom::Patches(starts) => starts.iter().map(|start| start.symbol).collect(),
-            Axiom::Curve(starts) => starts
-                .iter()
-                .flat_map(|start| match start {
-                    CurveStart::Word(word) => word.modules.iter().map(|module| module.symbol).collect(),
-                    CurveStart::Points { symbol, .. } => vec![*symbol],
-                    CurveStart::System { .. } => Vec::new(),
-                })
-                .collect(),
-            Axiom::None | Axiom::Other => Vec::new(),
-        };
+        let axiom = self.tables.kind.first_symbols(&self.system.axiom);
         let rule = size::without_end(&self.tables, first.rule_set, &axiom)?;
         (first.until_terminal && first.count > 0).then_some((rule, first.span))
     }

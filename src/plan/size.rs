@@ -173,7 +173,7 @@ impl Alone {
     fn new(symbol: usize, tables: &Tables, set: &RuleSet, uniforms: &[Value]) -> Option<Alone> {
         let layout = &tables.layout;
         // Where words have branches, or are several, what comes next in the word is not always what stands beside it.
-        if !layout.is_curve() || layout.link.is_some() || layout.word.is_some() {
+        if layout.halo() == 0 {
             return None;
         }
         let stage = set.stages.first()?;
@@ -186,7 +186,7 @@ impl Alone {
             }
             let mut children = u64::MAX;
             for (n, production) in stage.productions[rule.productions.clone()].iter().enumerate() {
-                if production.cells.iter().flatten().any(|cell| cell.symbol != symbol || cell.hang.lateral) {
+                if production.successors().any(|(_, cell)| cell.symbol != symbol || cell.hang.lateral) {
                     return None;
                 }
                 if !certain.is_never_drawn(n) {
@@ -429,7 +429,7 @@ fn outcomes_of(symbol: usize, set: &RuleSet, uniforms: &[Value]) -> Vec<Outcome>
                 continue;
             }
             let mut children = Vec::new();
-            for cell in production.cells.iter().flatten() {
+            for (_, cell) in production.successors() {
                 resolve(set, cell.symbol, &mut children);
             }
             list.push(Outcome { children, rule: Some(rule.span), fires: !production.relabels_itself() });
@@ -451,6 +451,6 @@ fn resolve(set: &RuleSet, symbol: usize, children: &mut Vec<usize>) {
     });
     match hidden {
         None => children.push(symbol),
-        Some(p) => p.cells.iter().flatten().for_each(|c| resolve(set, c.symbol, children)),
+        Some(p) => p.successors().for_each(|(_, c)| resolve(set, c.symbol, children)),
     }
 }

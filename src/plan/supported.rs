@@ -1,10 +1,10 @@
 //! What this version derives. A system that uses more parses and checks, but is not run: the
 //! construct is named, and nothing is derived in part.
 
+use super::kind::WordKind;
 use crate::language::Span;
 use crate::language::expr::{Expr, ExprKind};
-
-use crate::language::system::{Kind, Rule, Step, StepKind, Successor, System};
+use crate::language::system::{Rule, Step, StepKind, Successor, System};
 
 /// A construct that this version checks but does not derive.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -21,25 +21,15 @@ impl Unsupported {
     }
 }
 
-/// Whether this version derives systems of this kind with these steps.
-pub fn system(system: &System) -> Result<(), Unsupported> {
-    let span = system.source.kind_span;
-    match system.kind {
-        Kind::Mesh => return Err(Unsupported::new("mesh systems", span)),
-        Kind::Curve(_) | Kind::Patch { .. } => {}
-    }
-    let kind = if matches!(system.kind, Kind::Curve(_)) { "curve" } else { "patch" };
-    steps(&system.run, kind)
-}
-
-fn steps(run: &[Step], kind: &str) -> Result<(), Unsupported> {
+/// Whether these steps of a schedule are derived in systems of this kind.
+pub(super) fn steps(run: &[Step], kind: &dyn WordKind) -> Result<(), Unsupported> {
     for step in run {
         match &step.kind {
             // That a placement stands last the checker has seen to.
             StepKind::Derive { .. } | StepKind::Place(_) | StepKind::Trace { .. } => {}
             StepKind::Repeat { body, .. } | StepKind::If { body, .. } => steps(body, kind)?,
             StepKind::Other(name) => {
-                return Err(Unsupported::new(format!("`{name}` in a {kind} system"), step.span));
+                return Err(Unsupported::new(format!("`{name}` in a {} system", kind.name()), step.span));
             }
         }
     }
@@ -53,34 +43,9 @@ pub const MOST_CELLS: usize = 255;
 pub const MOST_STRICT: usize = 8;
 
 /// Whether every part of the rule is derived.
-pub fn rule(rule: &Rule, system: &System) -> Result<(), Unsupported> {
-    let curve = matches!(system.kind, Kind::Curve(_));
-    if let Some(context) = rule.left.as_ref().or(rule.right.as_ref()).filter(|_| !curve) {
-        return Err(Unsupported::new("contexts in patch systems", context.span));
-    }
-    if let Some(query) = rule.queries.iter().find(|q| curve && system.queries[q.query].value.is_none()) {
-        return Err(Unsupported::new("queries that are bound to roots, in curve systems", query.span));
-    }
-    match rule.strict.len() {
-        1 => {}
-        2..=MOST_STRICT if curve => {}
-        _ if curve => {
-            let what = format!("more than {MOST_STRICT} strict predecessors");
-            return Err(Unsupported::new(what, rule.span));
-        }
-        _ => return Err(Unsupported::new("several strict predecessors in patch systems", rule.span)),
-    }
+pub(super) fn rule(rule: &Rule, system: &System, kind: &dyn WordKind) -> Result<(), Unsupported> {
+    kind.supports(rule, system)?;
     for alternative in &rule.alternatives {
-        match &alternative.successor {
-            Successor::Modules(_) => {
-                return Err(Unsupported::new("brackets in patch systems", alternative.span));
-            }
-            Successor::Word(word) if word.modules.len() > MOST_CELLS => {
-                let what = format!("a successor of more than {MOST_CELLS} modules");
-                return Err(Unsupported::new(what, alternative.span));
-            }
-            _ => {}
-        }
         alternative.weight.iter().try_for_each(expr)?;
         modules(&alternative.successor, &mut |m| m.args.iter().try_for_each(expr))?;
     }

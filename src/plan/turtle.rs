@@ -20,7 +20,7 @@
 use super::Plan;
 use super::context::{Near, Place};
 use super::layout::{END, NONE};
-use super::tables::{MatchRule, Production, RulesOf, Successor, Symbol, Tables};
+use super::tables::{Becomes, MatchRule, Production, RulesOf, Successor, Symbol, Tables};
 use crate::language::Span;
 use crate::language::expr::{Expr, ExprKind, Type, Value};
 use crate::language::system::{Hang, Kind, System, Topology};
@@ -175,9 +175,8 @@ fn rule(
         site: 0,
         span,
     };
-    let cells = points.into_iter().map(Some).collect();
-    let production =
-        Production { rule: 0, predecessor, length: 1, halves: 0, cells, exit, relabels: false, span };
+    let becomes = Becomes::Word { modules: points, exit, relabels: false };
+    let production = Production { rule: 0, predecessor, length: 1, becomes, span };
     (rule, vec![production])
 }
 

@@ -15,16 +15,16 @@ use std::fmt::Debug;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// What an engine needs for a job of the oracle.
-struct Prepared {
-    plan: Plan,
-    axiom: Axiom,
-    options: Options<'static>,
+pub struct Prepared {
+    pub plan: Plan,
+    pub axiom: Axiom,
+    pub options: Options<'static>,
     /// The limit of the job.
     steps: u32,
 }
 
 #[track_caller]
-fn prepare(job: &Job) -> Prepared {
+pub fn prepare(job: &Job) -> Prepared {
     let checked = compile(&job.text, &Vocabulary::default());
     assert!(!checked.has_errors(), "{}", job.text);
     let wanted = |s: &&burgeon::language::System| job.system.as_ref().is_none_or(|name| s.name == *name);
@@ -72,7 +72,7 @@ fn to_param(value: &Value) -> Param {
 impl Prepared {
     /// The word as the oracle sees it. Words tell paths only where random numbers hang on them.
     fn seen(&self, word: &Word) -> Seen {
-        let paths = self.plan.tables.layout.has_paths();
+        let paths = self.plan.tables.layout.paths;
         let ring = word.topology == Topology::Ring;
         let module = |m: &burgeon::curve::Module| SeenModule {
             symbol: word.symbols[m.symbol].name.clone(),

@@ -80,7 +80,7 @@ pub(super) fn step_case<'a, B: Backend + 'a>(
     let uniforms = plan.uniforms(&[]).map_err(crate::command::run::of_plan)?;
     let layout = plan.tables.layout;
     let count = STEP_POINTS / layout.net_points();
-    let nets = made(count, layout.degree, plan.rational());
+    let nets = made(count, layout.net.unwrap_or_default(), plan.rational());
     let content = plan.axiom(&axiom(plan, &nets), &uniforms).map_err(crate::command::run::of_plan)?;
     let chunk = backend.upload(content).map_err(fail)?;
     let (backend_name, threads, what) = label;

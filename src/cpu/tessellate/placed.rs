@@ -191,9 +191,7 @@ impl Surface<'_> {
             layout: Layout {
                 record_words: RECORD_WORDS,
                 header_words: HEADER_WORDS,
-                link: None,
-                word: None,
-                degree: self.patches.degree,
+                ..Layout::new(0, self.patches.degree)
             },
             offsets: &[],
             made: 0,

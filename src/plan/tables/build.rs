@@ -1,11 +1,11 @@
 //! Rules of a checked system as matching rules and productions, block by block.
 
-use super::{MatchRule, Production, RuleSet, RulesOf, Stage, Successor, Symbol, fnv};
+use super::{Becomes, MatchRule, Production, RuleSet, RulesOf, Stage, Successor, Symbol, fnv};
 use crate::language::Span;
 use crate::language::expr::{Expr, ExprKind, Type};
 use crate::language::system::{self, BinderPlace, Field, Hang, Rule, System};
 use crate::plan::context::{self, Search};
-use crate::plan::layout::Layout;
+use crate::plan::kind::WordKind;
 use crate::plan::supported::{self, Unsupported};
 use crate::plan::turtle;
 
@@ -15,18 +15,27 @@ pub(super) struct Pending {
     block: system::Block,
 }
 
-pub(super) struct Builder<'a> {
-    pub(super) system: &'a System,
+pub(in crate::plan) struct Builder<'a> {
+    system: &'a System,
+    kind: &'static dyn WordKind,
     /// Where parameters begin.
-    pub(super) layout: Layout,
+    header_words: usize,
     pub(super) symbols: Vec<Symbol>,
-    pub(super) pending: Vec<Pending>,
+    pending: Vec<Pending>,
     pub(super) searches: Vec<Search>,
 }
 
-impl Builder<'_> {
+/// Writes an expression of a rule in terms of the predecessor's record.
+pub(in crate::plan) type Resolve<'r> = &'r dyn Fn(&Expr) -> Expr;
+
+impl<'a> Builder<'a> {
+    pub(super) fn new(system: &'a System, kind: &'static dyn WordKind, header_words: usize) -> Builder<'a> {
+        let (symbols, pending, searches) = (Vec::new(), Vec::new(), Vec::new());
+        Builder { system, kind, header_words, symbols, pending, searches }
+    }
+
     pub(super) fn add_symbol(&mut self, name: String, fields: Vec<Field>, hidden: bool) -> usize {
-        let mut at = self.layout.header_words;
+        let mut at = self.header_words;
         let words = fields
             .iter()
             .map(|f| {
@@ -43,23 +52,23 @@ impl Builder<'_> {
             RulesOf::Groups(groups) => groups,
             RulesOf::Trace(into) => {
                 let rules = turtle::rules(self.system, &self.symbols, *into);
-                let stage = Stage { roots: true, ..Stage::new(rules, true, true) };
+                let stage = Stage { roots: true, ..Stage::new(rules, true, self.kind.retires()) };
                 return Ok(RuleSet { of, stages: vec![stage] });
             }
         };
         let mut rules = Vec::new();
         for &g in groups {
             for rule in &self.system.groups[g].rules {
-                supported::rule(rule, self.system)?;
+                supported::rule(rule, self.system, self.kind)?;
                 rules.push(self.rule(rule)?);
             }
         }
-        let curve = self.layout.is_curve();
-        let mut stages = vec![Stage::new(rules, true, curve)];
+        let alone = self.kind.retires();
+        let mut stages = vec![Stage::new(rules, true, alone)];
         while !self.pending.is_empty() {
             let waiting = std::mem::take(&mut self.pending);
             let rules = waiting.into_iter().map(|p| self.split_pending(p)).collect();
-            stages.push(Stage::new(rules, false, curve));
+            stages.push(Stage::new(rules, false, alone));
         }
         Ok(RuleSet { of, stages })
     }
@@ -74,37 +83,10 @@ impl Builder<'_> {
 
         let mut productions = Vec::new();
         for alternative in &rule.alternatives {
-            let (mut exit, mut relabels) = (None, false);
-            let (halves, cells) = match &alternative.successor {
-                system::Successor::Erase => (0, vec![None; 4]),
-                system::Successor::Relabel(m) => (0, vec![Some(successor(m, &resolve)), None, None, None]),
-                system::Successor::Split(b) => self.block(predecessor, b, &resolve),
-                system::Successor::Word(word) => {
-                    exit = word.exit();
-                    relabels = matches!(word.hangs[..], [Hang { lateral: false, .. }]) && word.slots == 1;
-                    let modules = word.modules.iter().zip(&word.hangs);
-                    (
-                        0,
-                        modules
-                            .map(|(m, &hang)| Some(Successor { hang, ..successor(m, &resolve) }))
-                            .collect(),
-                    )
-                }
-                // Only meshes, which are refused, and branching surfaces have these.
-                system::Successor::Modules(_) => (0, Vec::new()),
-            };
-            let length = rule.strict.len() as u32;
-            let span = rule.span;
-            productions.push(Production {
-                rule: 0,
-                predecessor,
-                length,
-                halves,
-                cells,
-                exit,
-                relabels,
-                span,
-            });
+            let kind = self.kind;
+            let becomes = kind.becomes(self, predecessor, &alternative.successor, &resolve);
+            let (length, span) = (rule.strict.len() as u32, rule.span);
+            productions.push(Production { rule: 0, predecessor, length, becomes, span });
         }
         let matching = MatchRule {
             predecessor,
@@ -124,14 +106,14 @@ impl Builder<'_> {
     /// The cells of a block. A block inside it becomes a pending module with the predecessor's
     /// parameters, since its expressions read these; what they read besides, and a pending module
     /// has not (attributes, lets, random numbers), is worked out now and carried along.
-    fn block(
+    pub(in crate::plan) fn block(
         &mut self,
         predecessor: usize,
         block: &system::Block,
-        resolve: &dyn Fn(&Expr) -> Expr,
-    ) -> (u32, Vec<Option<Successor>>) {
+        resolve: Resolve,
+    ) -> Becomes {
         let halves = (block.rows == 2) as u32 | ((block.columns == 2) as u32) << 1;
-        let mut cells: Vec<Option<Successor>> = vec![None; 4];
+        let mut cells = [const { None }; 4];
         for (n, cell) in block.cells.iter().enumerate() {
             let (row, column) = (n / block.columns, n % block.columns);
             cells[2 * row + column] = match cell {
@@ -151,13 +133,13 @@ impl Builder<'_> {
                 }
             };
         }
-        (halves, cells)
+        Becomes::Nets { halves, cells }
     }
 
     fn split_pending(&mut self, pending: Pending) -> (MatchRule, Vec<Production>) {
         let Pending { symbol, block } = pending;
         let span = block.span;
-        let (halves, cells) = self.block(symbol, &block, &|e| e.clone());
+        let becomes = self.block(symbol, &block, &|e| e.clone());
         let rule = MatchRule {
             predecessor: symbol,
             others: Vec::new(),
@@ -170,16 +152,7 @@ impl Builder<'_> {
             site: 0,
             span,
         };
-        let production = Production {
-            rule: 0,
-            predecessor: symbol,
-            length: 1,
-            halves,
-            cells,
-            exit: None,
-            relabels: false,
-            span,
-        };
+        let production = Production { rule: 0, predecessor: symbol, length: 1, becomes, span };
         (rule, vec![production])
     }
 }
@@ -213,7 +186,7 @@ fn site(rule: &Rule) -> u32 {
     fnv(rule.label.as_ref().map_or(&index[..], |label| label.as_bytes()))
 }
 
-fn successor(module: &system::Module, resolve: &dyn Fn(&Expr) -> Expr) -> Successor {
+pub(in crate::plan) fn successor(module: &system::Module, resolve: Resolve) -> Successor {
     let args = module.args.iter().map(resolve).collect();
     Successor { symbol: module.symbol, args, hang: Hang::default() }
 }

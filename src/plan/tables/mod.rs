@@ -9,17 +9,18 @@ mod build;
 
 use crate::language::Span;
 use crate::language::expr::{Expr, ExprKind, Type};
-use crate::language::system::{self, Field, Hang, Kind, System, Topology};
+use crate::language::system::{self, Field, Hang, System};
 use crate::plan::code::StageCode;
 use crate::plan::context::{Near, Place, Search};
 use crate::plan::given::Places;
-use crate::plan::layout::{CurveHeader, END, Layout};
+use crate::plan::kind::{self, WordKind};
+use crate::plan::layout::{END, Layout};
 use crate::plan::links::{Linked, Links};
 use crate::plan::measure::Row;
 use crate::plan::program::Program;
 use crate::plan::supported::{self, Unsupported};
 use crate::plan::turtle::Turtle;
-use build::Builder;
+pub(in crate::plan) use build::{Builder, Resolve, successor};
 use std::ops::Range;
 
 /// A symbol of the tables: those of the system first, then the hidden ones of nested blocks.
@@ -48,8 +49,15 @@ pub struct Successor {
     pub symbol: usize,
     /// One for each field; binders read the predecessor's fields.
     pub args: Vec<Expr>,
-    /// Of curves: what it hangs on, and its slot.
+    /// In a word: what it hangs on, and its slot.
     pub hang: Hang,
+}
+
+impl Successor {
+    /// The same in its place in a word.
+    pub fn hanging(self, hang: Hang) -> Successor {
+        Successor { hang, ..self }
+    }
 }
 
 /// When one of its productions is drawn.
@@ -84,36 +92,85 @@ pub struct Production {
     pub predecessor: usize,
     /// Modules that it replaces: the predecessor, and those behind it.
     pub length: u32,
-    /// Which directions are halved: bit 0 u, bit 1 v. 0 with one live cell is a relabelling.
-    pub halves: u32,
-    /// Of patches four, by 2·(half of u) + (half of v); what is `None` is erased. Of curves the modules in order.
-    pub cells: Vec<Option<Successor>>,
-    /// Of curves: the cell that what hung on the predecessor hangs on; none where nothing of it is left on the axis.
-    pub exit: Option<usize>,
-    /// Of curves: one module is written, which keeps the path.
-    pub relabels: bool,
+    pub becomes: Becomes,
     pub span: Span,
 }
 
+/// What a production makes of its predecessor.
+#[derive(Clone, Debug)]
+pub enum Becomes {
+    /// The net's halves.
+    Nets {
+        /// Which directions are halved: bit 0 u, bit 1 v. 0 with one live cell is a relabelling.
+        halves: u32,
+        /// By 2·(half of u) + (half of v); what is `None` is erased.
+        cells: [Option<Successor>; 4],
+    },
+    /// A word.
+    Word {
+        modules: Vec<Successor>,
+        /// The module that what hung on the predecessor hangs on; none where nothing of it is left on the axis.
+        exit: Option<usize>,
+        /// One module is written, which keeps the path.
+        relabels: bool,
+    },
+}
+
+impl Becomes {
+    /// A word of no module.
+    pub fn nothing() -> Becomes {
+        Becomes::Word { modules: Vec::new(), exit: None, relabels: false }
+    }
+}
+
 impl Production {
+    /// Which directions of a net are halved.
+    pub fn halves(&self) -> u32 {
+        match self.becomes {
+            Becomes::Nets { halves, .. } => halves,
+            Becomes::Word { .. } => 0,
+        }
+    }
+    /// Where a module may be written: the cells of a net, or the places of a word.
+    pub fn cells(&self) -> usize {
+        match &self.becomes {
+            Becomes::Nets { cells, .. } => cells.len(),
+            Becomes::Word { modules, .. } => modules.len(),
+        }
+    }
+    /// The module of a cell; none of one that is erased.
+    pub fn successor(&self, cell: usize) -> Option<&Successor> {
+        match &self.becomes {
+            Becomes::Nets { cells, .. } => cells.get(cell)?.as_ref(),
+            Becomes::Word { modules, .. } => modules.get(cell),
+        }
+    }
+    /// The modules that are written, in order, with their cells.
+    pub fn successors(&self) -> impl Iterator<Item = (usize, &Successor)> {
+        (0..self.cells()).filter_map(|cell| Some((cell, self.successor(cell)?)))
+    }
+    /// The module of a word that what hung on the predecessor hangs on.
+    pub fn exit(&self) -> Option<usize> {
+        match self.becomes {
+            Becomes::Nets { .. } => None,
+            Becomes::Word { exit, .. } => exit,
+        }
+    }
     /// How many modules come of one.
     pub fn count(&self) -> u32 {
-        self.cells.iter().flatten().count() as u32
+        self.successors().count() as u32
     }
     /// Keeps the net and the symbol: then unchanged parameters mean that nothing fired.
     pub fn relabels_itself(&self) -> bool {
-        let one = self.halves == 0 && self.count() == 1 && self.length == 1;
-        let branch = |cell: &Successor| cell.hang.lateral;
-        one && !self.cells.iter().flatten().any(branch)
-            && self.cells[0].as_ref().is_some_and(|c| c.symbol == self.predecessor)
+        let one = self.halves() == 0 && self.count() == 1 && self.length == 1;
+        one && self.successor(0).is_some_and(|c| c.symbol == self.predecessor && !c.hang.lateral)
     }
-    /// Its word in the environment buffer: bits 0–1 `halves`, 4–7 the live cells of a patch, 8–15 their number,
-    /// 16–18 how many modules it claims behind its predecessor, 24–31 its exit or [`NO_EXIT`].
+    /// Its word in the environment buffer: bits 0–1 which directions are halved, 4–7 the first four cells that live, 8–15
+    /// how many do, 16–18 how many modules it claims behind its predecessor, 24–31 its exit or [`NO_EXIT`].
     pub fn word(&self) -> u32 {
-        let live = self.cells.iter().take(4).enumerate().filter(|(_, cell)| cell.is_some());
-        let live = live.fold(0, |m, (c, _)| m | 1 << c);
-        let exit = self.exit.map_or(NO_EXIT, |cell| cell as u32);
-        self.halves | live << 4 | self.count() << 8 | (self.length - 1) << 16 | exit << 24
+        let live = self.successors().filter(|(cell, _)| *cell < 4).fold(0, |m, (cell, _)| m | 1 << cell);
+        let exit = self.exit().map_or(NO_EXIT, |cell| cell as u32);
+        self.halves() | live << 4 | self.count() << 8 | (self.length - 1) << 16 | exit << 24
     }
 }
 
@@ -142,8 +199,8 @@ pub struct Stage {
     pub first: bool,
     /// What it writes are roots: the points of a turtle.
     pub roots: bool,
-    /// Modules have neighbours, so none is ever retired.
-    pub curve: bool,
+    /// No module is read by another, so that those on which nothing can fire any more may be retired.
+    pub alone: bool,
     /// The attributes of nets that its rules read.
     pub row: Row,
     /// The rules' expressions as graphs; made when all symbols are known.
@@ -153,7 +210,7 @@ pub struct Stage {
 }
 
 impl Stage {
-    fn new(rules: Vec<(MatchRule, Vec<Production>)>, first: bool, curve: bool) -> Stage {
+    fn new(rules: Vec<(MatchRule, Vec<Production>)>, first: bool, alone: bool) -> Stage {
         let (rules, productions): (Vec<MatchRule>, Vec<Vec<Production>>) = rules.into_iter().unzip();
         let mut stage = Stage {
             rules,
@@ -163,7 +220,7 @@ impl Stage {
             closed: None,
             first,
             roots: false,
-            curve,
+            alone,
             row: Row::default(),
             code: StageCode::default(),
             program: Program::default(),
@@ -183,7 +240,7 @@ impl Stage {
         searches: &[Search],
         places: &Environment,
         layout: &Layout,
-        ignoring: bool,
+        (kind, ignoring): (&dyn WordKind, bool),
     ) {
         self.by_symbol = vec![Vec::new(); symbols.len()];
         for (id, rule) in self.rules.iter().enumerate() {
@@ -193,23 +250,20 @@ impl Stage {
             .by_symbol
             .iter()
             .map(|ids| {
-                self.first && !self.curve && !ids.iter().any(|id| self.changes_by_itself(&self.rules[*id]))
+                self.first && self.alone && !ids.iter().any(|id| self.changes_by_itself(&self.rules[*id]))
             })
             .collect();
         // Links are made of what the scan says.
-        self.closed = if layout.link.is_some() { None } else { closed_growth(self, symbols) };
+        self.closed = if layout.one_piece() { None } else { closed_growth(self, symbols) };
         self.row = Row::of_stage(self);
         self.code = StageCode::new(self, symbols, searches, places, layout);
-        self.program = match layout.is_curve() {
-            true => Program::of_words(self, layout, ignoring),
-            false => Program::of_nets(self),
-        };
+        self.program = kind.program(self, layout, ignoring);
     }
 
     /// Whether the rule may fire later on a module on which it does not fire now.
     fn changes_by_itself(&self, rule: &MatchRule) -> bool {
         let productions = &self.productions[rule.productions.clone()];
-        let args = productions.iter().flat_map(|p| p.cells.iter().flatten().flat_map(|c| &c.args));
+        let args = productions.iter().flat_map(|p| p.successors().flat_map(|(_, c)| &c.args));
         let own = rule.lets.iter().chain(&rule.guards).chain(&rule.weights);
         !rule.weights.is_empty() || own.chain(args).any(changes_with_step)
     }
@@ -230,7 +284,7 @@ impl Stage {
     /// The rule id of a module whose symbol has no rules here: retired, but for the stages that
     /// only split pending modules.
     pub fn without_rules(&self) -> u32 {
-        if self.first && !self.curve { self.retired() } else { self.keep() }
+        if self.first && self.alone { self.retired() } else { self.keep() }
     }
     /// The rule table: a word for each production, then keep and retired.
     pub fn rule_words(&self) -> Vec<u32> {
@@ -262,7 +316,7 @@ impl Stage {
     }
     /// Some production leaves nothing on the axis, so that what hung on its predecessor hangs on what that hung on.
     pub fn unhangs(&self) -> bool {
-        self.claims() || self.productions.iter().any(|p| p.exit.is_none())
+        self.claims() || self.productions.iter().any(|p| p.exit().is_none())
     }
     /// Some rule looks into branches.
     pub fn sees_branches(&self) -> bool {
@@ -300,6 +354,7 @@ pub struct RuleSet {
 /// A system as tables.
 #[derive(Clone, Debug)]
 pub struct Tables {
+    pub(in crate::plan) kind: &'static dyn WordKind,
     pub symbols: Vec<Symbol>,
     pub layout: Layout,
     /// Where the environment holds what the host gives.
@@ -335,32 +390,18 @@ impl Tables {
     }
 
     fn build(system: &System, words: bool) -> Result<Tables, Unsupported> {
-        supported::system(system)?;
-        let param_words = system.symbols.iter().map(|s| s.fields.iter().map(|f| f.ty.words()).sum());
-        let layout = match system.kind {
-            Kind::Patch { degree, .. } => Layout::new(0, degree),
-            _ => {
-                let tree = system.kind == Kind::Curve(Topology::Tree);
-                // A word in which the turtle moves without drawing becomes several curves.
-                let moves = system.symbols.iter().any(|s| s.name == "f");
-                let traces = rules_of(&system.run).iter().any(|of| matches!(of, RulesOf::Trace(_)));
-                let links = tree || words || !system.ignored.is_empty() || moves && traces;
-                if let (true, Some(span)) = (words, ends_apart(system)) {
-                    let what = "`until terminal` beside random numbers or `step`, in several words at once";
-                    return Err(Unsupported::new(what, span));
-                }
-                let has = CurveHeader { paths: draws(system), links, words };
-                Layout::of_curve(param_words.max().unwrap_or(0), has)
-            }
-        };
-        let mut builder =
-            Builder { system, layout, symbols: Vec::new(), pending: Vec::new(), searches: Vec::new() };
+        let kind = kind::of(system)?;
+        supported::steps(&system.run, kind)?;
+        let visible = system.symbols.iter().map(|s| s.fields.iter().map(|f| f.ty.words()).sum());
+        let rules = rules_of(&system.run);
+        let draft = kind.layout(system, &rules, visible.max().unwrap_or(0), words)?;
+        let mut builder = Builder::new(system, kind, draft.header_words);
         for s in &system.symbols {
             builder.add_symbol(s.name.clone(), s.fields.clone(), false);
         }
         let mut rule_sets = Vec::new();
-        for of in rules_of(&system.run) {
-            rule_sets.push(builder.rule_set(of)?);
+        for of in &rules {
+            rule_sets.push(builder.rule_set(of.clone())?);
         }
         let Builder { symbols, searches, .. } = builder;
         if symbols.len() > MOST_SYMBOLS {
@@ -369,19 +410,17 @@ impl Tables {
             );
             return Err(Unsupported::new(what, system.source.kind_span));
         }
+        // What nested blocks carry along takes room, too.
         let param_words = symbols.iter().map(words_of).max().unwrap_or(0);
+        let layout = kind.layout(system, &rules, param_words, words)?;
         let places = environment(system);
         for stage in rule_sets.iter_mut().flat_map(|set| &mut set.stages) {
-            stage.complete(&symbols, &searches, &places, &layout, !system.ignored.is_empty());
+            let of = (kind, !system.ignored.is_empty());
+            stage.complete(&symbols, &searches, &places, &layout, of);
         }
-        // What nested blocks carry along takes room, too.
-        let layout = match system.kind {
-            Kind::Patch { degree, .. } => Layout::new(param_words, degree),
-            _ => layout,
-        };
         let ignored = (0..symbols.len()).map(|symbol| system.ignored.contains(&symbol)).collect();
         let turtle = Turtle::new(system, &symbols);
-        Ok(Tables { layout, symbols, given: places.given, rule_sets, searches, ignored, turtle })
+        Ok(Tables { kind, layout, symbols, given: places.given, rule_sets, searches, ignored, turtle })
     }
 
     /// The most words of attributes that a stage measures of a module.
@@ -460,7 +499,7 @@ fn closed_growth(stage: &Stage, symbols: &[Symbol]) -> Option<u32> {
 }
 
 /// Whether rules draw random numbers.
-fn draws(system: &System) -> bool {
+pub(in crate::plan) fn draws(system: &System) -> bool {
     let rules = || system.groups.iter().flat_map(|group| &group.rules);
     rules().any(|rule| rule.alternatives.len() > 1)
         || any_in_rules(system, &|e| matches!(e.kind, ExprKind::Random { .. }))
@@ -477,7 +516,7 @@ fn any_in_rules(system: &System, is: &dyn Fn(&Expr) -> bool) -> bool {
 
 /// The step of the schedule before whose end some word of several could do other things than alone: derived together all
 /// go on until no rule fires in any, and what was terminal may not be so in the next step.
-fn ends_apart(system: &System) -> Option<Span> {
+pub(in crate::plan) fn ends_apart(system: &System) -> Option<Span> {
     fn of_steps(steps: &[system::Step]) -> Option<Span> {
         steps.iter().find_map(|step| match &step.kind {
             system::StepKind::Derive { until_terminal: true, .. } => Some(step.span),
