@@ -170,7 +170,7 @@ impl Plan {
                     CurveStart::System { .. } => Vec::new(),
                 })
                 .collect(),
-            Axiom::None | Axiom::Other => Vec::new(),
+            Axiom::None | Axiom::PatchSystem { .. } | Axiom::Meshes(_) => Vec::new(),
         };
         let rule = size::without_end(&self.tables, first.rule_set, &axiom)?;
         (first.until_terminal && first.count > 0).then_some((rule, first.span))

@@ -38,8 +38,12 @@ fn steps(run: &[Step], kind: &str) -> Result<(), Unsupported> {
             // That a placement stands last the checker has seen to.
             StepKind::Derive { .. } | StepKind::Place(_) | StepKind::Trace { .. } => {}
             StepKind::Repeat { body, .. } | StepKind::If { body, .. } => steps(body, kind)?,
-            StepKind::Other(name) => {
-                return Err(Unsupported::new(format!("`{name}` in a {kind} system"), step.span));
+            other @ (StepKind::Subdivide { .. }
+            | StepKind::Mark { .. }
+            | StepKind::Crease { .. }
+            | StepKind::Deposit) => {
+                let word = other.word();
+                return Err(Unsupported::new(format!("`{word}` in a {kind} system"), step.span));
             }
         }
     }
@@ -72,7 +76,7 @@ pub fn rule(rule: &Rule, system: &System) -> Result<(), Unsupported> {
     }
     for alternative in &rule.alternatives {
         match &alternative.successor {
-            Successor::Modules(_) => {
+            Successor::Surface(_) => {
                 return Err(Unsupported::new("brackets in patch systems", alternative.span));
             }
             Successor::Word(word) if word.modules.len() > MOST_CELLS => {
@@ -108,7 +112,8 @@ fn modules(
         Successor::Relabel(m) => visit(m),
         Successor::Split(b) => block(b, visit),
         Successor::Word(word) => word.modules.iter().try_for_each(visit),
-        Successor::Modules(list) => list.iter().try_for_each(visit),
+        // They are refused whole.
+        Successor::Surface(_) | Successor::Face(_) => Ok(()),
     }
 }
 

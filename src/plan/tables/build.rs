@@ -90,8 +90,8 @@ impl Builder<'_> {
                             .collect(),
                     )
                 }
-                // Only meshes, which are refused, and branching surfaces have these.
-                system::Successor::Modules(_) => (0, Vec::new()),
+                // They are refused.
+                system::Successor::Surface(_) | system::Successor::Face(_) => (0, Vec::new()),
             };
             let length = rule.strict.len() as u32;
             let span = rule.span;
