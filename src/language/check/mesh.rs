@@ -5,8 +5,8 @@ use super::{Checker, code, suggest};
 use crate::language::diagnostic::Diagnostic;
 use crate::language::syntax::{self, Element, Name, Slot, SlotFill, Span};
 use crate::language::system::{
-    Attachment, FaceSuccessor, FaceTemplate, Fill, Filling, Pairing, SymbolId, Template, TemplateBody,
-    TemplateId, TemplateUse,
+    Attachment, FaceSuccessor, FaceTemplate, Fill, Filling, Pairing, SlotName, SymbolId, Template,
+    TemplateBody, TemplateId, TemplateUse,
 };
 use crate::language::vocabulary::{Role, Shape, Slots};
 use std::collections::HashMap;
@@ -239,9 +239,9 @@ impl<'a> Checker<'a> {
 
     /// The slots that exist, as far as it is known. One that does not is an error; in a list that names another one,
     /// a warning.
-    fn slot_names(&mut self, slot: &'a Slot, known: &KnownSlots, template: &str) -> Vec<String> {
-        let text = |name: &Name| name.text.clone();
-        let Some(known) = known else { return slot.names.iter().map(text).collect() };
+    fn slot_names(&mut self, slot: &'a Slot, known: &KnownSlots, template: &str) -> Vec<SlotName> {
+        let lowered = |name: &Name| SlotName { name: name.text.clone(), span: name.span };
+        let Some(known) = known else { return slot.names.iter().map(lowered).collect() };
         let exists = |name: &Name| known.iter().any(|(slot, _)| *slot == name.text);
         let some = slot.names.iter().any(exists);
         for name in slot.names.iter().filter(|n| !exists(n)) {
@@ -258,7 +258,7 @@ impl<'a> Checker<'a> {
             };
             self.report(finding.hint(hint));
         }
-        slot.names.iter().filter(|name| exists(name)).map(text).collect()
+        slot.names.iter().filter(|name| exists(name)).map(lowered).collect()
     }
 }
 

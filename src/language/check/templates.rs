@@ -5,7 +5,7 @@ use crate::language::diagnostic::Diagnostic;
 use crate::language::syntax::{
     self, Item, Name, Number, SignedNumber, Span, TemplateBody, TemplateLine, TemplateLineKind,
 };
-use crate::language::system::{self, Kind, SharpEdge, TemplateFace, TemplateMesh};
+use crate::language::system::{self, Kind, SharpEdge, SlotName, TemplateFace, TemplateMesh};
 use std::collections::{HashMap, HashSet};
 
 impl<'a> Checker<'a> {
@@ -46,7 +46,8 @@ impl<'a> Checker<'a> {
         let lines = match &template.body {
             TemplateBody::Inline(lines) => lines,
             TemplateBody::File(path) => {
-                let bases = bases.into_iter().map(str::to_string).collect();
+                let bases = template.base.iter();
+                let bases = bases.map(|b| SlotName { name: b.text.clone(), span: b.span }).collect();
                 let body = system::TemplateBody::File { path: path.text.clone(), bases, span: path.span };
                 return Some(system::Template { name, body, span });
             }

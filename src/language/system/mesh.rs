@@ -24,11 +24,18 @@ pub enum TemplateBody {
     File {
         path: String,
         /// The groups of the bases, each of one face. None written: the group `base`, if the file has it.
-        bases: Vec<String>,
+        bases: Vec<SlotName>,
         span: Span,
     },
     /// Written out in the rule file.
     Inline(TemplateMesh),
+}
+
+/// The name of a slot as written. Of a file only its reading tells whether it has that slot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SlotName {
+    pub name: String,
+    pub span: Span,
 }
 
 /// A template as numbers. With a base it is closed: each edge has two faces.
@@ -186,9 +193,8 @@ pub struct UvRange {
 /// `top, bottom: A(nth)`: what the faces of these slots become.
 #[derive(Clone, Debug)]
 pub struct Filling {
-    /// Names of slots of the template or shape, none twice in one use; of a file only its reading tells whether they
-    /// exist.
-    pub slots: Vec<String>,
+    /// At least one, and none twice in one use.
+    pub slots: Vec<SlotName>,
     pub fill: Fill,
 }
 

@@ -13,7 +13,7 @@ use std::sync::Arc;
 pub use curve::{CurveSource, CurveStart, CurveWord, Hang};
 pub use mesh::{
     Attachment, FaceModule, FaceSuccessor, FaceTemplate, Fill, Filling, MeshSource, MeshStart, Pairing,
-    PointField, ShapeArg, ShapeUse, SharpEdge, Template, TemplateBody, TemplateFace, TemplateId,
+    PointField, ShapeArg, ShapeUse, SharpEdge, SlotName, Template, TemplateBody, TemplateFace, TemplateId,
     TemplateMesh, TemplateUse, Transform, UvRange,
 };
 pub use patch::{Block, Cell, Continuity, PatchSource, PatchStart, SurfaceElement, surface_modules};
