@@ -132,11 +132,12 @@ fn inline(system: &System, template: usize) -> &TemplateMesh {
 
 #[test]
 fn templates_are_numbers() {
-    let text = "system s : mesh\ntemplate wedge {\n  v 0 0 0  v 1.5 0 -0.25  v 0 1e1 0  v 0 0 1\n  e 1 3 2.5\n  \
+    let text = "system s : mesh\ntemplate wedge {\n  v -0 0 0  v 1.5 0 -0.25  v 0 1e1 0  v 0 0 1\n  e 1 3 2.5\n  \
                 f side: 0 1 3\n  f foot: 2 1 0\n  f side: 1 2 3\n  e 3 0 10\n  f back: 2 0 3\n} base foot\n";
     let system = system(text);
     let wedge = inline(&system, 0);
     assert_eq!(system.templates[0].name, "wedge");
+    assert_eq!(wedge.vertices[0].map(f32::to_bits), [0; 3]);
     assert_eq!(wedge.vertices, [[0.0, 0.0, 0.0], [1.5, 0.0, -0.25], [0.0, 10.0, 0.0], [0.0, 0.0, 1.0]]);
     assert_eq!(wedge.slots, ["side", "foot", "back"]);
     let faces: Vec<(usize, &[u32])> = wedge.faces.iter().map(|f| (f.slot, f.corners.as_slice())).collect();

@@ -105,18 +105,13 @@ impl<'a> Checker<'a> {
                     }
                 }
                 TemplateLineKind::Face(name, corners) => {
-                    let corners: Vec<Option<u32>> =
+                    // Of several wrong corners the first is reported.
+                    let corners: Option<Vec<u32>> =
                         corners.iter().map(|c| self.corner(c, vertices)).collect();
-                    if let Some(corners) = corners.into_iter().collect::<Option<Vec<_>>>()
+                    if let Some(corners) = corners
                         && self.is_face(name, &corners, line.span)
                     {
-                        let slot = match mesh.slots.iter().position(|slot| *slot == name.text) {
-                            Some(slot) => slot,
-                            None => {
-                                mesh.slots.push(name.text.clone());
-                                mesh.slots.len() - 1
-                            }
-                        };
+                        let slot = slot_named(&mut mesh.slots, &name.text);
                         mesh.faces.push(TemplateFace { slot, corners });
                         spans.push(line.span);
                     }
@@ -137,7 +132,8 @@ impl<'a> Checker<'a> {
             let message = format!("{} is beyond the range of float", written.number.text);
             self.report(Diagnostic::error(code::NUMBER, written.number.span, message));
         }
-        number.map(|x| if written.negative { -x } else { x })
+        // As everywhere in the language `-0` is 0.
+        number.map(|x| if written.negative { 0.0 - x } else { x })
     }
 
     fn corner(&mut self, number: &Number, vertices: usize) -> Option<u32> {
@@ -191,4 +187,12 @@ impl<'a> Checker<'a> {
             self.report(error.label(**span, format!("no other face has the edge between {from} and {to}")));
         }
     }
+}
+
+/// The index of the slot of that name, which is new where no face before had it.
+fn slot_named(slots: &mut Vec<String>, name: &str) -> usize {
+    slots.iter().position(|slot| slot == name).unwrap_or_else(|| {
+        slots.push(name.to_string());
+        slots.len() - 1
+    })
 }
