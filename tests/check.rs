@@ -14,7 +14,7 @@ use burgeon::language::{Checked, Severity, Span, System, Type, Value, Vocabulary
 use std::path::PathBuf;
 
 /// The findings as a user would read them, for the messages of failed tests.
-fn shown(text: &str, checked: &Checked) -> String {
+pub fn shown(text: &str, checked: &Checked) -> String {
     let place = |start: u32| {
         let before = &text[..start as usize];
         let line = before.matches('\n').count() + 1;
@@ -34,18 +34,18 @@ fn shown(text: &str, checked: &Checked) -> String {
     out
 }
 
-fn checked(text: &str) -> Checked {
+pub fn checked(text: &str) -> Checked {
     compile(text, &Vocabulary::default())
 }
 
 /// The one system of a text that has no errors.
-fn system(text: &str) -> System {
+pub fn system(text: &str) -> System {
     let checked = checked(text);
     assert!(!checked.has_errors(), "{}", shown(text, &checked));
     checked.systems.into_iter().next_back().unwrap()
 }
 
-fn files(folder: &str) -> Vec<(PathBuf, String)> {
+pub fn files(folder: &str) -> Vec<(PathBuf, String)> {
     let mut files: Vec<PathBuf> =
         std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     files.sort();
@@ -317,7 +317,7 @@ fn sites_count_calls_in_the_order_of_the_text() {
 // Lowering.
 
 /// An expression with its parentheses, binders as `b0`, uniforms as `u0`, lets as `l0`.
-fn written(expr: &Expr) -> String {
+pub fn written(expr: &Expr) -> String {
     let all = |args: &[Expr]| args.iter().map(written).collect::<Vec<_>>().join(", ");
     match &expr.kind {
         ExprKind::Literal(Value::Int(i)) => i.to_string(),
@@ -362,9 +362,10 @@ fn successor(system: &System, successor: &Successor) -> String {
         Successor::Erase => "eps".into(),
         Successor::Relabel(m) => module(m),
         Successor::Split(b) => block(b, &module),
-        Successor::Word(CurveWord { modules, .. }) | Successor::Modules(modules) => {
+        Successor::Word(CurveWord { modules, .. }) => {
             modules.iter().map(module).collect::<Vec<_>>().join(" ")
         }
+        Successor::Surface(_) | Successor::Face(_) => panic!("neither a word nor a block"),
     }
 }
 
@@ -397,7 +398,7 @@ fn rules(system: &System, group: usize) -> Vec<String> {
 #[test]
 fn holes_are_lowered() {
     let system = system(include_str!("data/language/holes.burgeon"));
-    assert_eq!(system.kind, Kind::Patch { degree: [3, 3], rational: false });
+    assert_eq!(system.kind, Kind::Patch { degree: [3, 3], rational: false, join: None });
     assert!(system.uniforms.is_empty());
     let split = "P : (b0 < 3) -> [P((b0 + 1)) P((b0 + 1)); P((b0 + 1)) P((b0 + 1))]";
     assert_eq!(rules(&system, 0), [split, "P : (b0 == 3) -> [P((b0 + 1)) eps; eps P((b0 + 1))]"]);
@@ -455,7 +456,7 @@ fn patterns_test_literals_and_names_bound_twice() {
                 rules:\n  P(3, _, true, d, d) -> Q\n  P(a, a, _, (0), _) -> Q\n";
     let text = text.replace("  P(a, a, _, (0), _) -> Q\n", "  P(a, a, _, _, _) -> Q\n");
     let system = system(&text);
-    assert_eq!(system.kind, Kind::Patch { degree: [2, 1], rational: true });
+    assert_eq!(system.kind, Kind::Patch { degree: [2, 1], rational: true, join: None });
     assert_eq!(
         rules(&system, 0),
         ["P [(3 == b0)] [(Bool(true) == b1)] [(b2.0 == b3.0)] [(b2.1 == b3.1)] -> Q", "P [(b0 == b1)] -> Q",]

@@ -20,6 +20,7 @@ mod grid;
 mod io;
 #[cfg(feature = "gpu")]
 mod limits;
+mod lowering;
 #[cfg(feature = "gpu")]
 mod mutants;
 #[cfg(feature = "gpu")]

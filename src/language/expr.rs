@@ -137,7 +137,8 @@ pub struct Expr {
 #[derive(Clone, Debug, PartialEq)]
 pub enum ExprKind {
     Literal(Value),
-    /// Index into [`Rule::binders`](super::system::Rule::binders).
+    /// Index into [`Rule::binders`](super::system::Rule::binders); in what is worked out at the points of a curve into
+    /// the [fields](super::system::ShapeArg::PerPoint) of these.
     Binder(usize),
     /// Index into [`Rule::lets`](super::system::Rule::lets).
     Let(usize),

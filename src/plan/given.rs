@@ -6,7 +6,9 @@
 
 use super::{Error, measure};
 use crate::language::expr::{Expr, ExprKind, Type, Value};
-use crate::language::system::{BinderPlace, Cell, Query, Rule, Step, StepKind, Successor, System};
+use crate::language::system::{
+    BinderPlace, Cell, Query, Rule, Step, StepKind, Successor, System, surface_modules,
+};
 use crate::patch::{Grid, Values};
 
 /// The camera that `bbox_px` and `area_px` look through.
@@ -306,7 +308,11 @@ pub(super) fn of_rule(rule: &Rule, visit: &mut dyn FnMut(&Expr)) {
             Successor::Erase => {}
             Successor::Relabel(m) => m.args.iter().for_each(&mut *visit),
             Successor::Word(word) => word.modules.iter().flat_map(|m| &m.args).for_each(&mut *visit),
-            Successor::Modules(list) => list.iter().flat_map(|m| &m.args).for_each(&mut *visit),
+            Successor::Surface(word) => {
+                surface_modules(word, &mut |m| m.args.iter().for_each(&mut *visit));
+            }
+            // Of meshes, which are refused.
+            Successor::Face(_) => {}
             Successor::Split(block) => of_cells(&block.cells, visit),
         }
     }

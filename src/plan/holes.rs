@@ -41,7 +41,7 @@ fn keep(rule: &mut Rule, hole: usize) {
         match &mut alternative.successor {
             erased @ Successor::Erase => *erased = Successor::Relabel(module()),
             Successor::Split(block) => keep_in(block, hole),
-            Successor::Relabel(_) | Successor::Word(_) | Successor::Modules(_) => {}
+            Successor::Relabel(_) | Successor::Word(_) | Successor::Surface(_) | Successor::Face(_) => {}
         }
     }
 }

@@ -85,8 +85,11 @@ fn steps(
             }
             // It moves the vertices of a tessellation; the word stays as it is.
             StepKind::Place(_) => {}
-            StepKind::Other(name) => {
-                return Err(super::Unsupported::new(format!("`{name}`"), step.span).into());
+            other @ (StepKind::Subdivide { .. }
+            | StepKind::Mark { .. }
+            | StepKind::Crease { .. }
+            | StepKind::Deposit) => {
+                return Err(super::Unsupported::new(format!("`{}`", other.word()), step.span).into());
             }
         }
     }

@@ -28,8 +28,12 @@ pub(super) fn steps(run: &[Step], kind: &dyn WordKind) -> Result<(), Unsupported
             // That a placement stands last the checker has seen to.
             StepKind::Derive { .. } | StepKind::Place(_) | StepKind::Trace { .. } => {}
             StepKind::Repeat { body, .. } | StepKind::If { body, .. } => steps(body, kind)?,
-            StepKind::Other(name) => {
-                return Err(Unsupported::new(format!("`{name}` in a {} system", kind.name()), step.span));
+            other @ (StepKind::Subdivide { .. }
+            | StepKind::Mark { .. }
+            | StepKind::Crease { .. }
+            | StepKind::Deposit) => {
+                let (word, kind) = (other.word(), kind.name());
+                return Err(Unsupported::new(format!("`{word}` in a {kind} system"), step.span));
             }
         }
     }
@@ -73,7 +77,8 @@ fn modules(
         Successor::Relabel(m) => visit(m),
         Successor::Split(b) => block(b, visit),
         Successor::Word(word) => word.modules.iter().try_for_each(visit),
-        Successor::Modules(list) => list.iter().try_for_each(visit),
+        // They are refused whole.
+        Successor::Surface(_) | Successor::Face(_) => Ok(()),
     }
 }
 

@@ -1,4 +1,4 @@
-//! Axioms. Those of meshes are only checked.
+//! Axioms.
 
 use super::scope::{Scope, Where};
 use super::typing::as_literal;
@@ -23,22 +23,21 @@ impl<'a> Checker<'a> {
         });
         let Some(axiom) = written else { return Axiom::None };
         match self.kind {
-            Kind::Patch { degree, rational } => return self.patch_axiom(axiom, degree, rational),
-            Kind::Curve(_) => return self.curve_axiom(axiom),
+            Kind::Patch { degree, rational, .. } => self.patch_axiom(axiom, degree, rational),
+            Kind::Curve(_) => self.curve_axiom(axiom),
             Kind::Mesh => self.mesh_axiom(axiom),
         }
-        Axiom::Other
     }
 
-    fn mesh_axiom(&mut self, axiom: &'a syntax::Axiom) {
-        match &axiom.kind {
-            AxiomKind::Meshes(meshes) => meshes.iter().for_each(|m| self.mesh_start(m)),
-            _ => {
-                let message = "a mesh system starts from meshes";
-                let error = Diagnostic::error(code::AXIOM, axiom.span, message);
-                self.report(error.hint("as in `axiom: box(1, 1, 1) { top: A }`"));
-            }
-        }
+    fn mesh_axiom(&mut self, axiom: &'a syntax::Axiom) -> Axiom {
+        let AxiomKind::Meshes(meshes) = &axiom.kind else {
+            let message = "a mesh system starts from meshes";
+            let error = Diagnostic::error(code::AXIOM, axiom.span, message);
+            self.report(error.hint("as in `axiom: box(1, 1, 1) { top: A }`"));
+            return Axiom::None;
+        };
+        // What is missing was reported, so the system is not run.
+        Axiom::Meshes(meshes.iter().filter_map(|m| self.mesh_start(m)).collect())
     }
 
     // Curves.
@@ -73,7 +72,7 @@ impl<'a> Checker<'a> {
             AxiomKind::Meshes(_) => {
                 let message = "a curve system starts from a word or from points";
                 self.report(Diagnostic::error(code::AXIOM, axiom.span, message));
-                return Axiom::Other;
+                return Axiom::None;
             }
         };
         // What is missing was reported, so the system is not run.
@@ -253,7 +252,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn file_index(&mut self, index: Option<&syntax::Number>) -> Option<u32> {
+    pub(super) fn file_index(&mut self, index: Option<&syntax::Number>) -> Option<u32> {
         let index = index?;
         let value = index.text.parse().ok();
         if value.is_none() {
@@ -273,27 +272,30 @@ impl<'a> Checker<'a> {
         let starts = match &axiom.kind {
             AxiomKind::Starts(starts) => starts,
             // The final word of an earlier system, with its own symbols.
-            AxiomKind::Source(source) if matches!(source.kind, SourceKind::Named(..)) => {
-                if let SourceKind::Named(name, _) = &source.kind {
-                    self.earlier_system(&name.text, name.span, syntax::Kind::Patch);
-                }
-                return Axiom::Other;
+            AxiomKind::Source(Source { kind: SourceKind::Named(name, _), .. }) => {
+                return self.patch_system(&name.text, name.span);
             }
             AxiomKind::Word(word) => {
                 if let Some(used) = self.system_word(word) {
-                    self.earlier_system(&used.symbol.text, used.span, syntax::Kind::Patch);
-                    return Axiom::Other;
+                    return self.patch_system(&used.symbol.text, used.span);
                 }
                 self.no_nets(axiom.span, "the modules of a patch system need nets", &name);
-                return Axiom::Other;
+                return Axiom::None;
             }
             AxiomKind::Source(_) | AxiomKind::Meshes(_) => {
                 self.no_nets(axiom.span, "the nets of a patch system need a symbol", &name);
-                return Axiom::Other;
+                return Axiom::None;
             }
         };
         let lowered = starts.iter().filter_map(|s| self.patch_start(s, degree, rational)).collect();
         Axiom::Patches(lowered)
+    }
+
+    fn patch_system(&mut self, name: &str, span: Span) -> Axiom {
+        match self.earlier_system(name, span, syntax::Kind::Patch) {
+            Some(_) => Axiom::PatchSystem { name: name.to_string(), span },
+            None => Axiom::None,
+        }
     }
 
     fn no_nets(&mut self, span: Span, message: &str, symbol: &str) {

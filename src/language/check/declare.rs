@@ -5,7 +5,7 @@ use super::{Checker, code, suggest};
 use crate::language::diagnostic::Diagnostic;
 use crate::language::expr::Type;
 use crate::language::syntax::{self, AttributeKind, Item, Name, Number, Span};
-use crate::language::system::{Field, Kind, Placement, Query, Symbol, SymbolId, Topology};
+use crate::language::system::{Continuity, Field, Kind, Placement, Query, Symbol, SymbolId, Topology};
 use std::collections::HashMap;
 
 /// The turtle's symbols: what their one argument is called and what it is when omitted.
@@ -90,7 +90,12 @@ impl<'a> Checker<'a> {
                     self.report(error.hint("write `patch bezier 3`, or `patch bezier 3 2` for u and v"));
                     [3, 3]
                 });
-                Kind::Patch { degree, rational: seen.contains_key("rational") }
+                let join = system.attributes.iter().find_map(|attribute| match attribute.kind {
+                    AttributeKind::Join { c1: true } => Some(Continuity::C1),
+                    AttributeKind::Join { c1: false } => Some(Continuity::C0),
+                    _ => None,
+                });
+                Kind::Patch { degree, rational: seen.contains_key("rational"), join }
             }
         }
     }

@@ -28,9 +28,9 @@ impl<'a> Checker<'a> {
             }
             None => {}
         }
-        if let Some((_, ty)) = scope.fields.iter().find(|(field, _)| field == name) {
-            // The engine reads the field of the point's module; nothing is lowered here.
-            return Operand::typed(Expr { ty: ty.clone(), kind: ExprKind::Attribute("field"), span });
+        if let Some(index) = scope.fields.iter().position(|field| field.name == name) {
+            let ty = scope.fields[index].ty.clone();
+            return Operand::typed(Expr { ty, kind: ExprKind::Binder(index), span });
         }
         if let Some(index) = self.names.find(name) {
             return match self.known(index) {

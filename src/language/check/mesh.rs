@@ -1,12 +1,13 @@
 //! Successors of mesh systems: templates, their places and their slots.
 
 use super::scope::Scope;
-use super::templates::Template;
 use super::{Checker, code, suggest};
 use crate::language::diagnostic::Diagnostic;
-use crate::language::expr::Type;
-use crate::language::syntax::{self, Element, ExprKind, Name, Slot, SlotFill, Span, Transform};
-use crate::language::system::{Module, Successor, SymbolId};
+use crate::language::syntax::{self, Element, Name, Slot, SlotFill, Span};
+use crate::language::system::{
+    Attachment, FaceSuccessor, FaceTemplate, Fill, Filling, Pairing, SlotName, SymbolId, Template,
+    TemplateBody, TemplateId, TemplateUse,
+};
 use crate::language::vocabulary::{Role, Shape, Slots};
 use std::collections::HashMap;
 
@@ -32,9 +33,9 @@ impl<'a> Checker<'a> {
         predecessor: &'a syntax::Predecessor,
         word: &'a [Element],
         span: Span,
-    ) -> Option<Successor> {
+    ) -> Option<FaceSuccessor> {
         let used = match word {
-            [Element::Eps(_)] => return Some(Successor::Modules(Vec::new())),
+            [Element::Eps(_)] => return Some(FaceSuccessor::Erase),
             [Element::Module(used)] => used,
             _ => {
                 let message = "a successor of a mesh system is one template, one module or `eps`";
@@ -47,21 +48,21 @@ impl<'a> Checker<'a> {
         };
         let name = used.symbol.text.as_str();
         let is_template =
-            self.templates.contains_key(name) || self.vocabulary.shapes.iter().any(|s| s.name == name);
+            self.template_ids.contains_key(name) || self.vocabulary.shapes.iter().any(|s| s.name == name);
         if is_template && !self.symbol_ids.contains_key(name) {
             let (args, span) = (used.args.as_deref(), used.span);
             let used = Use { name: &used.symbol, args, place: None, slots: None, span };
-            return self.template_used(scope, predecessor, used).map(Successor::Modules);
+            return self.template_used(scope, predecessor, used);
         }
         if predecessor.joined {
             let message = "joined faces are replaced by a template";
             self.report(Diagnostic::error(code::SUCCESSOR, used.span, message));
         }
-        let module = self.module_use(scope, used)?;
+        let face = self.face_module(scope, used)?;
         if let Some(from) = predecessor.strict.first().and_then(|p| self.known_symbol(&p.symbol)) {
-            self.corners.relabelled.push((from, module.symbol));
+            self.corners.relabelled.push((from, face.module.symbol));
         }
-        Some(Successor::Modules(vec![module]))
+        Some(FaceSuccessor::Relabel(face))
     }
 
     fn known_symbol(&self, name: &Name) -> Option<SymbolId> {
@@ -73,7 +74,7 @@ impl<'a> Checker<'a> {
         scope: &mut Scope<'a>,
         predecessor: &'a syntax::Predecessor,
         used: &'a syntax::TemplateUse,
-    ) -> Option<Vec<Module>> {
+    ) -> Option<FaceSuccessor> {
         let used = Use {
             name: &used.name,
             args: used.args.as_deref(),
@@ -89,26 +90,53 @@ impl<'a> Checker<'a> {
         scope: &mut Scope<'a>,
         predecessor: &'a syntax::Predecessor,
         used: Use<'a>,
-    ) -> Option<Vec<Module>> {
-        let name = used.name.text.as_str();
-        let known = if let Some(template) = self.templates.get(name).cloned() {
-            if used.args.is_some_and(|args| !args.is_empty()) {
-                let message = format!("the template `{name}` takes no arguments");
-                self.report(Diagnostic::error(code::FUNCTION_ARITY, used.span, message));
-            }
-            self.base_fits(predecessor, &template, used);
-            known_slots(&template)
-        } else if let Some(shape) = self.shape(name, Role::Template) {
-            self.shape_args(scope, &shape, used.args.unwrap_or_default(), used.span);
-            shape_slots(&shape)
-        } else {
-            self.unknown_template(used);
-            None
+    ) -> Option<FaceSuccessor> {
+        let (template, known) = self.face_template(scope, predecessor, used);
+        let words = used.place.map_or(&[][..], |place| &place.transforms);
+        let placing = self.placing(scope, words);
+        let fillings = match used.slots {
+            Some(slots) => self.fillings(scope, slots, &known, &used.name.text),
+            None => Some(Vec::new()),
         };
-        if let Some(place) = used.place {
-            self.transforms(scope, &place.transforms);
+        let placing = placing?;
+        let pairing = if placing.corner { Pairing::FirstCorners } else { Pairing::Fitted };
+        let attachment = Attachment { pairing, transforms: placing.transforms, uv: placing.uv };
+        let (template, fillings) = (template?, fillings?);
+        let template = Box::new(TemplateUse { template, attachment, fillings, span: used.span });
+        Some(match used.place {
+            Some(place) if place.on => FaceSuccessor::Attach(template),
+            _ if predecessor.joined => FaceSuccessor::Join(template),
+            _ => FaceSuccessor::Replace(template),
+        })
+    }
+
+    /// What the name stands for, and its slots.
+    fn face_template(
+        &mut self,
+        scope: &mut Scope<'a>,
+        predecessor: &'a syntax::Predecessor,
+        used: Use<'a>,
+    ) -> (Option<FaceTemplate>, KnownSlots) {
+        let name = used.name.text.as_str();
+        if let Some((id, _)) = self.template_ids.get(name).copied() {
+            self.no_template_arguments(used.name, used.args, used.span);
+            let Some(id) = id else { return (None, None) };
+            self.base_fits(predecessor, id, used);
+            return (Some(FaceTemplate::Template(id)), known_slots(&self.templates[id]));
         }
-        used.slots.map_or(Some(Vec::new()), |slots| self.slots(scope, slots, &known, name))
+        if let Some(shape) = self.shape(name, Role::Template) {
+            let made = self.shape_use(scope, &shape, used.args.unwrap_or_default(), used.span);
+            return (made.map(FaceTemplate::Shape), shape_slots(&shape));
+        }
+        self.unknown_template(used);
+        (None, None)
+    }
+
+    pub(super) fn no_template_arguments(&mut self, name: &Name, args: Option<&[syntax::Expr]>, span: Span) {
+        if args.is_some_and(|args| !args.is_empty()) {
+            let message = format!("the template `{}` takes no arguments", name.text);
+            self.report(Diagnostic::error(code::FUNCTION_ARITY, span, message));
+        }
     }
 
     pub(super) fn shape(&self, name: &str, role: Role) -> Option<Shape> {
@@ -124,23 +152,28 @@ impl<'a> Checker<'a> {
             (message, Some(format!("write `{name}` alone to give the face that symbol")))
         } else {
             let shapes = self.vocabulary.shapes.iter().filter(|s| s.role == Role::Template).map(|s| s.name);
-            let hint = self.nearest(name, self.templates.keys().copied().chain(shapes));
+            let hint = self.nearest(name, self.template_ids.keys().copied().chain(shapes));
             (format!("there is no template `{name}`"), hint)
         };
         self.report(Diagnostic::error(code::UNKNOWN_TEMPLATE, used.name.span, message).hint_if(hint));
     }
 
-    fn base_fits(&mut self, predecessor: &'a syntax::Predecessor, template: &Template<'a>, used: Use<'a>) {
+    fn base_fits(&mut self, predecessor: &'a syntax::Predecessor, template: TemplateId, used: Use<'a>) {
         if used.place.is_some_and(|p| p.on) {
             return;
         }
         let replaced = predecessor.strict.len();
-        let bases = template.bases.len();
+        let template = &self.templates[template];
+        let (declared, corners) = (template.span, base_corners(template));
+        let (bases, read) = match &template.body {
+            TemplateBody::File { bases, .. } => (bases.len(), false),
+            TemplateBody::Inline(mesh) => (mesh.bases.len(), true),
+        };
         let name = &used.name.text;
-        if bases == 0 && template.groups.is_some() {
+        if bases == 0 && read {
             let message = format!("the template `{name}` has no base to stand on");
             let error = Diagnostic::error(code::TEMPLATE_BASE, used.name.span, message);
-            let error = error.label(template.span, "it is declared here");
+            let error = error.label(declared, "it is declared here");
             self.report(error.hint("name a face `base`, or write `base NAME` behind the template"));
         } else if bases > 0 && bases != replaced {
             let message = format!(
@@ -149,49 +182,51 @@ impl<'a> Checker<'a> {
                 suggest::count(replaced, "face")
             );
             let error = Diagnostic::error(code::TEMPLATE_BASE, used.name.span, message);
-            self.report(error.label(template.span, "it is declared here"));
+            self.report(error.label(declared, "it is declared here"));
         }
-        for (pattern, corners) in predecessor.strict.iter().zip(template.base_corners()) {
+        for (pattern, corners) in predecessor.strict.iter().zip(corners) {
             if let Some(symbol) = self.known_symbol(&pattern.symbol) {
                 self.corners.needed.push((symbol, corners, used.span));
             }
         }
     }
 
-    /// Fills slots; returns the modules in the order written, one for each name.
-    pub(super) fn slots(
+    /// What fills slots, in the order written.
+    pub(super) fn fillings(
         &mut self,
         scope: &mut Scope<'a>,
         slots: &'a [Slot],
         known: &KnownSlots,
         template: &str,
-    ) -> Option<Vec<Module>> {
+    ) -> Option<Vec<Filling>> {
         let mut seen: HashMap<&str, Span> = HashMap::new();
-        let mut modules = Vec::new();
+        let mut fillings = Vec::with_capacity(slots.len());
         let mut whole = true;
         for slot in slots {
-            let module = match &slot.fill {
-                SlotFill::Eps(_) => None,
+            let fill = match &slot.fill {
+                SlotFill::Eps(_) => Some(Fill::Erase),
                 SlotFill::Module(used) => {
                     scope.in_slot = true;
-                    let module = self.module_use(scope, used);
+                    let face = self.face_module(scope, used);
                     scope.in_slot = false;
-                    whole &= module.is_some();
-                    module
+                    face.map(Fill::Module)
                 }
             };
-            self.slot_names(slot, known, template);
+            let filled = self.slot_names(slot, known, template);
             for name in &slot.names {
                 if let Some(first) = seen.insert(&name.text, name.span) {
                     self.duplicate("fillings of the slot", &name.text, name.span, first);
                 }
-                if let Some(module) = &module {
-                    self.slot_corners(module.symbol, known, &name.text);
-                    modules.push(module.clone());
+                if let Some(Fill::Module(face)) = &fill {
+                    self.slot_corners(face.module.symbol, known, &name.text);
                 }
             }
+            match fill {
+                Some(fill) => fillings.push(Filling { slots: filled, fill }),
+                None => whole = false,
+            }
         }
-        whole.then_some(modules)
+        whole.then_some(fillings)
     }
 
     fn slot_corners(&mut self, symbol: SymbolId, known: &KnownSlots, name: &str) {
@@ -202,9 +237,11 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// A slot that does not exist is an error; in a list that names another one, a warning.
-    fn slot_names(&mut self, slot: &'a Slot, known: &KnownSlots, template: &str) {
-        let Some(known) = known else { return };
+    /// The slots that exist, as far as it is known. One that does not is an error; in a list that names another one,
+    /// a warning.
+    fn slot_names(&mut self, slot: &'a Slot, known: &KnownSlots, template: &str) -> Vec<SlotName> {
+        let lowered = |name: &Name| SlotName { name: name.text.clone(), span: name.span };
+        let Some(known) = known else { return slot.names.iter().map(lowered).collect() };
         let exists = |name: &Name| known.iter().any(|(slot, _)| *slot == name.text);
         let some = slot.names.iter().any(exists);
         for name in slot.names.iter().filter(|n| !exists(n)) {
@@ -221,63 +258,34 @@ impl<'a> Checker<'a> {
             };
             self.report(finding.hint(hint));
         }
-    }
-
-    pub(super) fn transforms(&mut self, scope: &mut Scope<'a>, transforms: &'a [Transform]) {
-        for transform in transforms {
-            self.transform(scope, transform);
-        }
-    }
-
-    fn transform(&mut self, scope: &mut Scope<'a>, transform: &'a Transform) {
-        let name = &transform.name;
-        let args = transform.args.as_deref().unwrap_or_default();
-        let takes = match (name.text.as_str(), args) {
-            ("corner", []) => return,
-            ("corner", _) => "no arguments",
-            ("scale", [_] | [_, _, _]) | ("uv", [_, _] | [_, _, _, _]) => {
-                for arg in args {
-                    self.expr(scope, arg, &Type::Float, || format!("`{}` takes numbers", name.text));
-                }
-                return;
-            }
-            ("scale", _) => "one factor, or one for each of x, y and z",
-            ("uv", _) => "u0 and u1, or u0, u1, v0 and v1",
-            ("rotate", [axis, angle]) => {
-                let named =
-                    matches!(&axis.kind, ExprKind::Name(axis) if matches!(axis.as_str(), "x" | "y" | "z"));
-                if !named {
-                    self.expr(scope, axis, &Type::Vec3, || "an axis is `x`, `y`, `z` or a vec3".into());
-                }
-                self.expr(scope, angle, &Type::Float, || "an angle is a number of degrees".into());
-                return;
-            }
-            ("rotate", _) => "an axis and an angle in degrees: `rotate(z, 90)`",
-            _ => {
-                let hint = self.nearest(&name.text, ["scale", "rotate", "corner", "uv"]);
-                let message = format!("there is no transform `{}`", name.text);
-                let error = Diagnostic::error(code::UNKNOWN_TRANSFORM, name.span, message);
-                let all = "the transforms are `scale`, `rotate`, `corner` and `uv`".to_string();
-                self.report(error.hint(hint.unwrap_or(all)));
-                return;
-            }
-        };
-        let message = format!("`{}` takes {takes}", name.text);
-        self.report(Diagnostic::error(code::FUNCTION_ARITY, name.span, message));
+        slot.names.iter().filter(|name| exists(name)).map(lowered).collect()
     }
 }
 
-/// All groups of a template, its base among them: an axiom has no face for it to land on.
+/// All slots of a template, its bases among them: an axiom has no face for them to land on.
 pub(super) fn axiom_slots(template: &Template) -> KnownSlots {
-    let groups = template.groups.as_ref()?;
-    Some(groups.iter().map(|(name, corners)| (name.to_string(), corners.clone())).collect())
+    let TemplateBody::Inline(mesh) = &template.body else { return None };
+    let corners = |slot: usize| {
+        mesh.faces.iter().filter(|face| face.slot == slot).map(|face| face.corners.len()).collect()
+    };
+    Some(mesh.slots.iter().enumerate().map(|(slot, name)| (name.clone(), corners(slot))).collect())
 }
 
-/// The groups of a template but its bases, which vanish.
+/// The slots of a template but its bases, which vanish.
 fn known_slots(template: &Template) -> KnownSlots {
+    let TemplateBody::Inline(mesh) = &template.body else { return None };
     let mut slots = axiom_slots(template)?;
-    slots.retain(|(name, _)| !template.bases.contains(&name.as_str()));
+    let is_base = |name: &str| mesh.bases.iter().any(|base| mesh.slots[mesh.faces[*base].slot] == name);
+    slots.retain(|(name, _)| !is_base(name));
     Some(slots)
+}
+
+/// How many corners each base has, where that is known.
+fn base_corners(template: &Template) -> Vec<usize> {
+    match &template.body {
+        TemplateBody::File { .. } => Vec::new(),
+        TemplateBody::Inline(mesh) => mesh.bases.iter().map(|base| mesh.faces[*base].corners.len()).collect(),
+    }
 }
 
 pub(super) fn shape_slots(shape: &Shape) -> KnownSlots {

@@ -18,6 +18,7 @@ mod mesh;
 mod names;
 mod patch;
 mod patterns;
+mod placing;
 mod rules;
 mod run;
 mod scope;
@@ -30,14 +31,15 @@ mod unreached;
 
 use super::diagnostic::{Diagnostic, Severity};
 use super::syntax::{self, Span};
-use super::system::{Axiom, Group, Kind, Placement, Query, Step, Symbol, SymbolId, System, Uniform};
+use super::system::{
+    Axiom, Group, Kind, Placement, Query, Step, Symbol, SymbolId, System, Template, TemplateId, Uniform,
+};
 use super::vocabulary::Vocabulary;
 use super::{Value, parse};
 use names::Names;
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::sync::Arc;
-use templates::Template;
 
 /// What [`check`] found.
 #[derive(Clone, Debug, Default)]
@@ -173,7 +175,9 @@ struct Checker<'a> {
     defaults: Vec<Value>,
     queries: Vec<Query>,
     query_ids: HashMap<&'a str, Option<usize>>,
-    templates: HashMap<&'a str, Template<'a>>,
+    templates: Vec<Template>,
+    /// Their names with their index, none if they are broken, and place.
+    template_ids: HashMap<&'a str, (Option<TemplateId>, Span)>,
     /// Names of placements with their index and place.
     places: HashMap<&'a str, (usize, Span)>,
     volumes: HashMap<&'a str, Span>,
@@ -208,7 +212,8 @@ impl<'a> Checker<'a> {
             defaults: Vec::new(),
             queries: Vec::new(),
             query_ids: HashMap::new(),
-            templates: HashMap::new(),
+            templates: Vec::new(),
+            template_ids: HashMap::new(),
             places: HashMap::new(),
             volumes: HashMap::new(),
             group_ids: HashMap::new(),
@@ -264,6 +269,7 @@ impl<'a> Checker<'a> {
             symbols: self.symbols.clone(),
             uniforms: self.uniforms.clone(),
             queries: self.queries.clone(),
+            templates: self.templates.clone(),
             axiom,
             groups,
             placements,

@@ -5,7 +5,7 @@ use super::scope::Scope;
 use super::{Checker, code};
 use crate::language::diagnostic::Diagnostic;
 use crate::language::syntax::{self, Element, Span};
-use crate::language::system::{Block, Cell, Successor};
+use crate::language::system::{Block, Cell, Successor, SurfaceElement};
 
 impl<'a> Checker<'a> {
     pub(super) fn patch_successor(
@@ -80,30 +80,33 @@ impl<'a> Checker<'a> {
             self.many(span);
             whole = false;
         }
-        let mut modules = Vec::new();
-        whole &= self.modules_of(scope, word, &mut modules);
-        whole.then_some(Successor::Modules(modules))
+        let elements = self.surface_elements(scope, word);
+        elements.filter(|_| whole).map(Successor::Surface)
     }
 
-    fn modules_of(
+    fn surface_elements(
         &mut self,
         scope: &mut Scope<'a>,
         word: &'a [Element],
-        modules: &mut Vec<crate::language::system::Module>,
-    ) -> bool {
-        let mut whole = true;
-        for element in word {
-            match element {
-                Element::Module(used) => match self.module_use(scope, used) {
-                    Some(module) => modules.push(module),
-                    None => whole = false,
-                },
-                Element::Branch(branch, _) => whole &= self.modules_of(scope, branch, modules),
-                Element::Block(block) => whole &= self.block(scope, block).is_some(),
-                Element::Eps(_) => {}
+    ) -> Option<Vec<SurfaceElement>> {
+        let elements: Vec<Option<SurfaceElement>> =
+            word.iter().map(|element| self.surface_element(scope, element)).collect();
+        elements.into_iter().collect()
+    }
+
+    fn surface_element(&mut self, scope: &mut Scope<'a>, element: &'a Element) -> Option<SurfaceElement> {
+        Some(match element {
+            Element::Eps(_) => SurfaceElement::Eps,
+            Element::Module(used) => {
+                let module = self.module_use(scope, used)?;
+                match self.is_turtles(module.symbol) {
+                    true => SurfaceElement::Turtle(module),
+                    false => SurfaceElement::Net(module),
+                }
             }
-        }
-        whole
+            Element::Branch(branch, _) => SurfaceElement::Branch(self.surface_elements(scope, branch)?),
+            Element::Block(block) => SurfaceElement::Block(self.block(scope, block)?),
+        })
     }
 
     fn many(&mut self, span: Span) {

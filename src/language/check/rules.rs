@@ -42,7 +42,7 @@ impl<'a> Checker<'a> {
                 self.duplicate("rules", &label.text, label.span, first);
             }
             if let Some(checked) = self.rule(index, rule) {
-                let findings = reach.add(self, rule, &checked);
+                let findings = reach.add(rule, &checked);
                 self.findings.extend(findings);
                 lowered.push(checked);
             }

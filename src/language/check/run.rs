@@ -6,7 +6,7 @@ use super::{Checker, code, suggest};
 use crate::language::diagnostic::Diagnostic;
 use crate::language::expr::{Expr, Type, Value};
 use crate::language::syntax::{self, DeriveCount, Element, Item, Name, Span};
-use crate::language::system::{BinderPlace, Kind, Step, StepKind, SymbolId, Topology};
+use crate::language::system::{BinderPlace, FaceModule, Kind, Step, StepKind, SymbolId, Topology};
 
 impl<'a> Checker<'a> {
     /// The lowered steps; without a `run:` one step of the unnamed group.
@@ -66,8 +66,7 @@ impl<'a> Checker<'a> {
                 Some(StepKind::If { condition: condition?, body })
             }
             syntax::StepKind::Subdivide { scheme, levels, place } => {
-                self.subdivide(scheme, levels, place.as_ref());
-                Some(StepKind::Other("subdivide"))
+                self.subdivide(scheme, levels, place.as_ref())
             }
             syntax::StepKind::Place(name) => {
                 if matches!(self.kind, Kind::Curve(_)) {
@@ -77,17 +76,14 @@ impl<'a> Checker<'a> {
                 }
                 None
             }
-            syntax::StepKind::Mark { module, condition, .. } => {
-                self.mark(module, condition, step.span);
-                Some(StepKind::Other("mark"))
+            syntax::StepKind::Mark { module, condition, isolated } => {
+                let (module, condition) = self.mark(module, condition, step.span)?;
+                Some(StepKind::Mark { module, condition, isolated: *isolated })
             }
-            syntax::StepKind::Crease { sharpness, condition } => {
-                self.crease(sharpness, condition, step.span);
-                Some(StepKind::Other("crease"))
-            }
+            syntax::StepKind::Crease { sharpness, condition } => self.crease(sharpness, condition, step.span),
             syntax::StepKind::Deposit { pattern, into, condition } => {
                 self.deposit(pattern, into, condition.as_ref());
-                Some(StepKind::Other("deposit"))
+                Some(StepKind::Deposit)
             }
             syntax::StepKind::Trace { into } => {
                 self.trace(into, step.span).map(|into| StepKind::Trace { into })
@@ -156,7 +152,12 @@ impl<'a> Checker<'a> {
         groups
     }
 
-    fn subdivide(&mut self, scheme: &'a Name, levels: &'a syntax::Expr, place: Option<&'a Name>) {
+    fn subdivide(
+        &mut self,
+        scheme: &'a Name,
+        levels: &'a syntax::Expr,
+        place: Option<&'a Name>,
+    ) -> Option<StepKind> {
         let known = self.vocabulary.schemes.iter().find(|s| s.name == scheme.text);
         let fitting: Vec<&str> =
             self.vocabulary.schemes.iter().filter(|s| s.of.fits(self.kind)).map(|s| s.name).collect();
@@ -171,10 +172,13 @@ impl<'a> Checker<'a> {
                 self.report(Diagnostic::error(code::UNKNOWN_SCHEME, scheme.span, message).hint(hint));
             }
         }
-        self.count(levels, "the number of levels");
-        if let Some(place) = place {
-            self.place_name(place);
-        }
+        let levels = self.count(levels, "the number of levels");
+        let place = place.map(|place| self.place_name(place));
+        let place = match place {
+            Some(place) => Some(place?),
+            None => None,
+        };
+        Some(StepKind::Subdivide { scheme: known?.name, levels: levels?, place })
     }
 
     /// The index of a placement.
@@ -190,26 +194,40 @@ impl<'a> Checker<'a> {
         known
     }
 
-    fn mark(&mut self, module: &'a syntax::ModuleUse, condition: &'a syntax::Expr, span: Span) {
+    fn mark(
+        &mut self,
+        module: &'a syntax::ModuleUse,
+        condition: &'a syntax::Expr,
+        span: Span,
+    ) -> Option<(FaceModule, Expr)> {
         if !matches!(self.kind, Kind::Mesh) {
             self.wrong_kind("`mark`", span, &[syntax::Kind::Mesh]);
-            return;
+            return None;
         }
         let mut scope = Scope::new(Where::Mark);
-        self.module_use(&mut scope, module);
+        let module = self.face_module(&mut scope, module);
         scope.decides = true;
-        self.expr(&mut scope, condition, &Type::Bool, || "what `mark` asks is a bool".into());
+        let why = || "what `mark` asks is a bool".into();
+        let condition = self.expr(&mut scope, condition, &Type::Bool, why);
+        Some((module?, condition?))
     }
 
-    fn crease(&mut self, sharpness: &'a syntax::Expr, condition: &'a syntax::Expr, span: Span) {
+    fn crease(
+        &mut self,
+        sharpness: &'a syntax::Expr,
+        condition: &'a syntax::Expr,
+        span: Span,
+    ) -> Option<StepKind> {
         if !matches!(self.kind, Kind::Mesh) {
             self.wrong_kind("`crease`", span, &[syntax::Kind::Mesh]);
-            return;
+            return None;
         }
         let mut scope = Scope::new(Where::Crease);
-        self.expr(&mut scope, sharpness, &Type::Float, || "a sharpness is a number".into());
+        let sharpness = self.expr(&mut scope, sharpness, &Type::Float, || "a sharpness is a number".into());
         scope.decides = true;
-        self.expr(&mut scope, condition, &Type::Bool, || "what `crease` asks is a bool".into());
+        let why = || "what `crease` asks is a bool".into();
+        let condition = self.expr(&mut scope, condition, &Type::Bool, why);
+        Some(StepKind::Crease { sharpness: sharpness?, condition: condition? })
     }
 
     fn deposit(&mut self, pattern: &'a syntax::Pattern, into: &'a Name, condition: Option<&'a syntax::Expr>) {

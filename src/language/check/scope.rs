@@ -1,9 +1,9 @@
 //! What an expression may see at the place where it stands.
 
 use super::affine::Form;
-use crate::language::expr::{Expr, Type};
+use crate::language::expr::Expr;
 use crate::language::syntax::Span;
-use crate::language::system::{Binder, Kind, Let};
+use crate::language::system::{Binder, Kind, Let, PointField};
 use crate::language::vocabulary::Owner;
 use std::collections::HashMap;
 
@@ -86,8 +86,8 @@ pub(super) struct Scope<'a> {
     pub locals: HashMap<&'a str, (Local, Span)>,
     /// Lets that are constant sums of points.
     pub forms: HashMap<&'a str, Form>,
-    /// Names with a type that only this place knows, such as the fields of a curve's points.
-    pub fields: Vec<(String, Type)>,
+    /// The fields of a curve's points. Where there are some, nothing else is bound.
+    pub fields: Vec<PointField>,
     /// Calls of `rand` and `randn` so far, in the order of the text.
     pub sites: usize,
 }

@@ -1,22 +1,24 @@
 //! Meshes that are made from arguments, and those that an axiom starts from.
 
 use super::mesh::{KnownSlots, axiom_slots, shape_slots};
+use super::placing::Placing;
 use super::scope::{Scope, Where};
 use super::{Checker, code, suggest};
 use crate::language::diagnostic::Diagnostic;
 use crate::language::expr::Type;
 use crate::language::syntax::{self, ExprKind, Name, Span};
+use crate::language::system::{MeshSource, MeshStart, PointField, ShapeArg, ShapeUse};
 use crate::language::vocabulary::{Parameter, ParameterKind, Role, Shape, Slots};
 
 impl<'a> Checker<'a> {
-    /// The arguments of a shape or built-in template.
-    pub(super) fn shape_args(
+    /// A shape or built-in template with its arguments.
+    pub(super) fn shape_use(
         &mut self,
         scope: &mut Scope<'a>,
         shape: &Shape,
         args: &'a [syntax::Expr],
         span: Span,
-    ) {
+    ) -> Option<ShapeUse> {
         if args.len() != shape.parameters.len() {
             let names: Vec<&str> = shape.parameters.iter().map(|p| p.name).collect();
             let message = format!(
@@ -27,26 +29,47 @@ impl<'a> Checker<'a> {
             );
             let error = Diagnostic::error(code::FUNCTION_ARITY, span, message);
             self.report(error.hint(format!("it is `{}({})`", shape.name, names.join(", "))));
-            return;
+            return None;
         }
         let mut curve = None;
+        let mut lowered = Vec::with_capacity(args.len());
         for (arg, parameter) in args.iter().zip(&shape.parameters) {
-            match &parameter.kind {
-                ParameterKind::Value(ty) => {
-                    let why = || {
-                        format!("`{}` of `{}` is {}", parameter.name, shape.name, super::typing::article(ty))
-                    };
-                    self.expr(scope, arg, ty, why);
-                }
-                ParameterKind::Curve => {
-                    curve = self.earlier_argument(arg, syntax::Kind::Curve, shape, parameter)
-                }
-                ParameterKind::Patch => _ = self.earlier_argument(arg, syntax::Kind::Patch, shape, parameter),
-                ParameterKind::PerPoint => {
-                    let mut point = Scope::new(scope.place);
-                    point.fields = curve.map_or_else(Vec::new, |c| self.fields_of_points(c));
-                    self.expr(&mut point, arg, &Type::Float, || format!("`{}` is a number", parameter.name));
-                }
+            lowered.push(self.shape_argument(scope, shape, parameter, arg, &mut curve));
+        }
+        let args = lowered.into_iter().collect::<Option<_>>()?;
+        Some(ShapeUse { shape: shape.name, args, span })
+    }
+
+    /// `curve` is the earlier system of the arguments so far.
+    fn shape_argument(
+        &mut self,
+        scope: &mut Scope<'a>,
+        shape: &Shape,
+        parameter: &Parameter,
+        arg: &'a syntax::Expr,
+        curve: &mut Option<usize>,
+    ) -> Option<ShapeArg> {
+        match &parameter.kind {
+            ParameterKind::Value(ty) => {
+                let why =
+                    || format!("`{}` of `{}` is {}", parameter.name, shape.name, super::typing::article(ty));
+                self.expr(scope, arg, ty, why).map(ShapeArg::Value)
+            }
+            ParameterKind::Curve => {
+                *curve = self.earlier_argument(arg, syntax::Kind::Curve, shape, parameter);
+                let name = self.earlier[(*curve)?].name.clone();
+                Some(ShapeArg::Curve { name, span: arg.span })
+            }
+            ParameterKind::Patch => {
+                let patch = self.earlier_argument(arg, syntax::Kind::Patch, shape, parameter)?;
+                Some(ShapeArg::Patch { name: self.earlier[patch].name.clone(), span: arg.span })
+            }
+            ParameterKind::PerPoint => {
+                let mut point = Scope::new(scope.place);
+                point.fields = curve.map_or_else(Vec::new, |c| self.fields_of_points(c));
+                let why = || format!("`{}` is a number", parameter.name);
+                let value = self.expr(&mut point, arg, &Type::Float, why)?;
+                Some(ShapeArg::PerPoint { fields: point.fields, value })
             }
         }
     }
@@ -94,65 +117,94 @@ impl<'a> Checker<'a> {
     }
 
     /// What may be asked of each point of a curve: the fields of the module that its turtle
-    /// writes, or of all its modules.
-    fn fields_of_points(&self, earlier: usize) -> Vec<(String, Type)> {
+    /// writes, or of all its modules. Of those of one name the first says the type.
+    fn fields_of_points(&self, earlier: usize) -> Vec<PointField> {
         let earlier = &self.earlier[earlier];
-        let symbols = match earlier.traced {
-            Some(symbol) => earlier.symbols.get(symbol).map_or(&[][..], std::slice::from_ref),
-            None => &earlier.symbols,
-        };
-        symbols.iter().flat_map(|s| &s.fields).map(|f| (f.name.clone(), f.ty.clone())).collect()
-    }
-
-    /// The arguments, transforms and slots of a mesh that an axiom starts from.
-    pub(super) fn mesh_start(&mut self, start: &'a syntax::MeshStart) {
-        let mut scope = Scope::new(Where::Axiom);
-        let known = self.mesh_source(&mut scope, &start.source);
-        self.transforms(&mut scope, &start.at);
-        if let Some(slots) = &start.slots {
-            let name = match &start.source.kind {
-                syntax::SourceKind::Named(name, _) => name.text.as_str(),
-                _ => "the file",
-            };
-            self.slots(&mut scope, slots, &known, name);
+        let mut fields: Vec<PointField> = Vec::new();
+        for (symbol, of) in earlier.symbols.iter().enumerate() {
+            if earlier.traced.is_some_and(|traced| traced != symbol) {
+                continue;
+            }
+            for (index, field) in of.fields.iter().enumerate() {
+                let place = (symbol, index);
+                match fields.iter_mut().find(|known| known.name == field.name) {
+                    Some(known) if known.ty == field.ty => known.places.push(place),
+                    Some(_) => {}
+                    None => {
+                        let (name, ty) = (field.name.clone(), field.ty.clone());
+                        fields.push(PointField { name, ty, places: vec![place] });
+                    }
+                }
+            }
         }
+        fields
     }
 
-    fn mesh_source(&mut self, scope: &mut Scope<'a>, source: &'a syntax::Source) -> KnownSlots {
+    /// A mesh that an axiom starts from, its transforms and slots.
+    pub(super) fn mesh_start(&mut self, start: &'a syntax::MeshStart) -> Option<MeshStart> {
+        let mut scope = Scope::new(Where::Axiom);
+        let (source, known) = self.mesh_source(&mut scope, &start.source);
+        let placing = self.placing(&mut scope, &start.at);
+        let fillings = match &start.slots {
+            Some(slots) => {
+                let name = match &start.source.kind {
+                    syntax::SourceKind::Named(name, _) => name.text.as_str(),
+                    _ => "the file",
+                };
+                self.fillings(&mut scope, slots, &known, name)
+            }
+            None => Some(Vec::new()),
+        };
+        // That its first corner meets one says nothing where there is no face.
+        let Placing { transforms, uv, .. } = placing?;
+        Some(MeshStart { source: source?, transforms, uv, fillings: fillings?, span: start.source.span })
+    }
+
+    /// What the source stands for, and its slots.
+    fn mesh_source(
+        &mut self,
+        scope: &mut Scope<'a>,
+        source: &'a syntax::Source,
+    ) -> (Option<MeshSource>, KnownSlots) {
         if let Some(shift) = &source.shift {
             let message = "`shift` turns the ring of a curve system";
             self.report(Diagnostic::error(code::AXIOM, shift.span, message));
         }
         let (name, args) = match &source.kind {
-            syntax::SourceKind::File(..) => return None,
+            syntax::SourceKind::File(path, index) => {
+                let index = self.file_index(index.as_ref());
+                let file = MeshSource::File { path: path.text.clone(), index, span: path.span };
+                return (Some(file), None);
+            }
             syntax::SourceKind::List(list) => {
                 let message = "a mesh cannot be written as a list";
                 let error = Diagnostic::error(code::AXIOM, list.span, message);
                 self.report(error.hint("write it as a `template`, or start from a file or a shape"));
-                return None;
+                return (None, None);
             }
             syntax::SourceKind::Named(name, args) => (name, args.as_deref()),
         };
-        if let Some(template) = self.templates.get(name.text.as_str()).cloned() {
-            if args.is_some_and(|args| !args.is_empty()) {
-                let message = format!("the template `{}` takes no arguments", name.text);
-                self.report(Diagnostic::error(code::FUNCTION_ARITY, source.span, message));
-            }
-            return axiom_slots(&template);
+        if let Some((id, _)) = self.template_ids.get(name.text.as_str()).copied() {
+            self.no_template_arguments(name, args, source.span);
+            let Some(template) = id else { return (None, None) };
+            let slots = axiom_slots(&self.templates[template]);
+            return (Some(MeshSource::Template { template, span: name.span }), slots);
         }
         if let Some(shape) = self.shape(&name.text, Role::Axiom) {
-            self.shape_args(scope, &shape, args.unwrap_or_default(), source.span);
-            return match &shape.slots {
+            let made = self.shape_use(scope, &shape, args.unwrap_or_default(), source.span);
+            let slots = match &shape.slots {
                 Slots::Named(_) => shape_slots(&shape),
                 Slots::SymbolsOf => self.symbols_of(args.unwrap_or_default()),
             };
+            return (made.map(MeshSource::Shape), slots);
         }
         if self.earlier.iter().any(|e| e.name == name.text) {
-            self.earlier_system(&name.text, name.span, syntax::Kind::Mesh);
-            return None;
+            let found = self.earlier_system(&name.text, name.span, syntax::Kind::Mesh);
+            let system = found.map(|_| MeshSource::System { name: name.text.clone(), span: name.span });
+            return (system, None);
         }
         self.unknown_mesh(name);
-        None
+        (None, None)
     }
 
     fn symbols_of(&self, args: &[syntax::Expr]) -> KnownSlots {
@@ -164,7 +216,7 @@ impl<'a> Checker<'a> {
     fn unknown_mesh(&mut self, name: &Name) {
         let shapes = self.vocabulary.shapes.iter().filter(|s| s.role == Role::Axiom).map(|s| s.name);
         let systems = self.earlier.iter().filter(|e| e.kind == syntax::Kind::Mesh).map(|e| e.name.as_str());
-        let candidates = self.templates.keys().copied().chain(shapes).chain(systems);
+        let candidates = self.template_ids.keys().copied().chain(shapes).chain(systems);
         let hint = self.nearest(&name.text, candidates);
         let (message, hint) = if self.shape(&name.text, Role::Template).is_some() {
             let message = format!("`{}` replaces a face and is no mesh to start from", name.text);

@@ -6,7 +6,7 @@ use super::{Checker, code, suggest};
 use crate::language::diagnostic::Diagnostic;
 use crate::language::expr::{Expr, ExprKind, Type, Value};
 use crate::language::syntax::{self, Element, ModuleUse, Span};
-use crate::language::system::{Field, Kind, Module, Successor, SymbolId, Topology};
+use crate::language::system::{FaceModule, Field, Kind, Module, Successor, SymbolId, Topology};
 
 impl<'a> Checker<'a> {
     pub(super) fn successor(
@@ -25,10 +25,10 @@ impl<'a> Checker<'a> {
                 whole.then(|| Successor::Word(super::branches::curve_word(word, modules)))
             }
             (syntax::Successor::Word(word), Kind::Mesh) => {
-                self.mesh_word(scope, predecessor, word, alternative.span)
+                self.mesh_word(scope, predecessor, word, alternative.span).map(Successor::Face)
             }
             (syntax::Successor::Template(used), Kind::Mesh) => {
-                self.template_use(scope, predecessor, used).map(Successor::Modules)
+                self.template_use(scope, predecessor, used).map(Successor::Face)
             }
             (syntax::Successor::Template(used), _) => {
                 self.wrong_kind("a template", used.span, &[syntax::Kind::Mesh]);
@@ -37,7 +37,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// A word of a curve system or of a branching surface, its branches flattened.
+    /// A word of a curve system, its branches flattened.
     pub(super) fn word(
         &mut self,
         scope: &mut Scope<'a>,
@@ -75,13 +75,25 @@ impl<'a> Checker<'a> {
         whole
     }
 
-    /// A module with its arguments, given the types of its fields.
+    /// A module of a curve or patch system.
     pub(super) fn module_use(&mut self, scope: &mut Scope<'a>, used: &'a ModuleUse) -> Option<Module> {
-        let symbol = self.symbol(&used.symbol);
-        if let Some(tag) = &used.tag {
-            self.tag(scope, used, tag, symbol);
+        if used.tag.is_some() {
+            let message = "only the faces of mesh systems have tags";
+            self.report(Diagnostic::error(code::TAG, used.span, message));
         }
-        let symbol = symbol.filter(|s| !self.broken_symbols.contains(s))?;
+        self.module_with_arguments(scope, used)
+    }
+
+    /// A module on a face, with its tag.
+    pub(super) fn face_module(&mut self, scope: &mut Scope<'a>, used: &'a ModuleUse) -> Option<FaceModule> {
+        let module = self.module_with_arguments(scope, used);
+        let tag = self.tag(scope, used);
+        Some(FaceModule { module: module?, tag: tag? })
+    }
+
+    /// A module with its arguments, given the types of its fields.
+    fn module_with_arguments(&mut self, scope: &mut Scope<'a>, used: &'a ModuleUse) -> Option<Module> {
+        let symbol = self.symbol(&used.symbol).filter(|s| !self.broken_symbols.contains(s))?;
         let fields = self.symbols[symbol].fields.clone();
         let args = used.args.as_deref().unwrap_or_default();
         if used.args.is_none()
@@ -123,14 +135,18 @@ impl<'a> Checker<'a> {
 
     /// What stands for the argument that a turtle symbol may do without.
     fn omitted(&self, symbol: SymbolId) -> Option<Omitted> {
-        let symbol = &self.symbols[symbol];
-        let (.., omitted) = TURTLE.iter().find(|(name, ..)| *name == symbol.name)?;
-        // In patch systems a declared module may have the name of a turtle symbol.
+        let (.., omitted) = TURTLE.iter().find(|(name, ..)| *name == self.symbols[symbol].name)?;
+        self.is_turtles(symbol).then_some(*omitted)
+    }
+
+    /// Whether the symbol is one of the turtle: in patch systems a declared module may have the name of one.
+    pub(super) fn is_turtles(&self, symbol: SymbolId) -> bool {
+        let name = &self.symbols[symbol].name;
         let declared = self.system.items.iter().any(|item| match item {
-            syntax::Item::Modules(modules) => modules.iter().any(|m| m.symbol.text == symbol.name),
+            syntax::Item::Modules(modules) => modules.iter().any(|m| m.symbol.text == *name),
             _ => false,
         });
-        (!declared).then_some(*omitted)
+        super::declare::is_turtle(name) && !declared
     }
 
     fn omitted_argument(&mut self, omitted: Omitted, span: Span) -> Option<Expr> {
@@ -175,22 +191,12 @@ impl<'a> Checker<'a> {
         self.report(error.hint(hint));
     }
 
-    fn tag(
-        &mut self,
-        scope: &mut Scope<'a>,
-        used: &ModuleUse,
-        tag: &'a [syntax::Expr],
-        symbol: Option<SymbolId>,
-    ) {
-        if !matches!(self.kind, Kind::Mesh) {
-            let message = "only the faces of mesh systems have tags";
-            self.report(Diagnostic::error(code::TAG, used.span, message));
-            return;
-        }
-        for part in tag {
-            self.expr(scope, part, &Type::Int, || "tags are ints".into());
-        }
-        let Some(symbol) = symbol else { return };
+    /// Empty where none is written.
+    fn tag(&mut self, scope: &mut Scope<'a>, used: &'a ModuleUse) -> Option<Vec<Expr>> {
+        let Some(tag) = &used.tag else { return Some(Vec::new()) };
+        let ints: Vec<Option<Expr>> =
+            tag.iter().map(|part| self.expr(scope, part, &Type::Int, || "tags are ints".into())).collect();
+        let symbol = self.symbol_ids.get(used.symbol.text.as_str()).copied()?;
         let (length, first) = *self.tags.entry(symbol).or_insert((tag.len(), used.span));
         if length != tag.len() {
             let message = format!(
@@ -201,6 +207,7 @@ impl<'a> Checker<'a> {
             let error = Diagnostic::error(code::TAG, used.span, message);
             self.report(error.label(first, "the other is here"));
         }
+        ints.into_iter().collect()
     }
 }
 

@@ -1,11 +1,11 @@
 //! Rules that an earlier rule of their group leaves nothing to.
 
+use super::code;
 use super::typing::as_literal;
-use super::{Checker, code};
 use crate::language::diagnostic::Diagnostic;
 use crate::language::expr::Value;
 use crate::language::syntax::{self, Span};
-use crate::language::system::{Kind, Rule, SymbolId};
+use crate::language::system::{FaceSuccessor, FaceTemplate, Rule, Successor, SymbolId};
 use std::collections::HashMap;
 
 /// The rules of a group so far that fire wherever their predecessor stands.
@@ -17,7 +17,7 @@ pub(super) struct Reach {
 
 impl Reach {
     /// Adds the next rule of the group; a warning if it is never reached.
-    pub fn add(&mut self, checker: &Checker, written: &syntax::Rule, rule: &Rule) -> Option<Diagnostic> {
+    pub fn add(&mut self, written: &syntax::Rule, rule: &Rule) -> Option<Diagnostic> {
         let first = *rule.strict.first()?;
         let earlier = self.always.entry(first).or_default();
         if let Some((_, span)) = earlier.iter().find(|(strict, _)| rule.strict.starts_with(strict)) {
@@ -26,14 +26,14 @@ impl Reach {
             return Some(warning.label(*span, "this one already fires wherever it could"));
         }
         // A join takes pairs, and leaves single faces to the rules behind it.
-        if !written.predecessor.joined && always_fires(checker, written, rule) {
+        if !written.predecessor.joined && always_fires(rule) {
             earlier.push((rule.strict.clone(), rule.span));
         }
         None
     }
 }
 
-fn always_fires(checker: &Checker, written: &syntax::Rule, rule: &Rule) -> bool {
+fn always_fires(rule: &Rule) -> bool {
     let holds = match &rule.condition {
         None => true,
         Some(condition) => as_literal(condition) == Some(Value::Bool(true)),
@@ -48,18 +48,15 @@ fn always_fires(checker: &Checker, written: &syntax::Rule, rule: &Rule) -> bool 
         && rule.left.is_none()
         && rule.right.is_none()
         && rule.tests.is_empty()
-        && written.alternatives.iter().all(|a| fits_any_face(checker, &a.successor))
+        && rule.alternatives.iter().all(|a| fits_any_face(&a.successor))
 }
 
 /// A template of one's own fits only faces with as many corners as its base.
-fn fits_any_face(checker: &Checker, successor: &syntax::Successor) -> bool {
-    let name = match successor {
-        _ if !matches!(checker.kind, Kind::Mesh) => return true,
-        syntax::Successor::Template(used) => &used.name,
-        syntax::Successor::Word(word) => match word.as_slice() {
-            [syntax::Element::Module(used)] => &used.symbol,
-            _ => return true,
-        },
-    };
-    !checker.templates.contains_key(name.text.as_str())
+fn fits_any_face(successor: &Successor) -> bool {
+    match successor {
+        Successor::Face(
+            FaceSuccessor::Replace(used) | FaceSuccessor::Attach(used) | FaceSuccessor::Join(used),
+        ) => matches!(used.template, FaceTemplate::Shape(_)),
+        _ => true,
+    }
 }

@@ -29,7 +29,7 @@ impl WordKind for Patch {
         if rule.strict.len() != 1 {
             return Err(Unsupported::new("several strict predecessors in patch systems", rule.span));
         }
-        match rule.alternatives.iter().find(|a| matches!(a.successor, Successor::Modules(_))) {
+        match rule.alternatives.iter().find(|a| matches!(a.successor, Successor::Surface(_))) {
             Some(alternative) => Err(Unsupported::new("brackets in patch systems", alternative.span)),
             None => Ok(()),
         }

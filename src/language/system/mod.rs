@@ -2,9 +2,21 @@
 //!
 //! This is all that the engine sees of a rule file. It knows no device and no container.
 
+mod curve;
+mod mesh;
+mod patch;
+
 use super::expr::{Expr, Type, Value};
 use super::syntax::{self, Span};
 use std::sync::Arc;
+
+pub use curve::{CurveSource, CurveStart, CurveWord, Hang};
+pub use mesh::{
+    Attachment, FaceModule, FaceSuccessor, FaceTemplate, Fill, Filling, MeshSource, MeshStart, Pairing,
+    PointField, ShapeArg, ShapeUse, SharpEdge, SlotName, Template, TemplateBody, TemplateFace, TemplateId,
+    TemplateMesh, TemplateUse, Transform, UvRange,
+};
+pub use patch::{Block, Cell, Continuity, PatchSource, PatchStart, SurfaceElement, surface_modules};
 
 /// Index into [`System::symbols`].
 pub type SymbolId = usize;
@@ -19,6 +31,8 @@ pub struct System {
     /// Values that stand in the environment buffer: params, and consts that read a param.
     pub uniforms: Vec<Uniform>,
     pub queries: Vec<Query>,
+    /// Of mesh systems.
+    pub templates: Vec<Template>,
     pub axiom: Axiom,
     /// The unnamed group has the empty name.
     pub groups: Vec<Group>,
@@ -27,7 +41,7 @@ pub struct System {
     /// Symbols that contexts look past.
     pub ignored: Vec<SymbolId>,
     pub run: Vec<Step>,
-    /// What was written, for messages and for the parts of the language that later passes read.
+    /// What was written, for messages.
     pub source: Arc<syntax::System>,
 }
 
@@ -45,6 +59,8 @@ pub enum Kind {
     Patch {
         degree: [u8; 2],
         rational: bool,
+        /// How the nets of branching surfaces meet, if it is written.
+        join: Option<Continuity>,
     },
     Mesh,
 }
@@ -102,102 +118,21 @@ pub struct Query {
     pub span: Span,
 }
 
-/// The axiom as the engine reads it. Those of patches and curves are resolved in full; meshes stay in
-/// [`System::source`].
+/// What a system starts from. Names of files and of earlier systems stay names: what they hold is read later.
 #[derive(Clone, Debug)]
 pub enum Axiom {
     /// No axiom was written.
     None,
     Patches(Vec<PatchStart>),
-    /// In the order of the word.
-    Curve(Vec<CurveStart>),
-    /// Meshes: see the syntax tree.
-    Other,
-}
-
-/// A part of a curve's axiom.
-#[derive(Clone, Debug)]
-pub enum CurveStart {
-    /// Modules, written out; their arguments read uniforms at most.
-    Word(CurveWord),
-    /// `P(_, true) = file "c.csv"`: a module for each point.
-    Points {
-        symbol: SymbolId,
-        /// One for each field; none where the point goes.
-        args: Vec<Option<Expr>>,
-        source: CurveSource,
-        /// How far the ring is turned: this point comes first.
-        shift: Option<Expr>,
+    /// The final word of an earlier patch system of the file, with its own symbols.
+    PatchSystem {
+        name: String,
         span: Span,
     },
-    /// The final word of an earlier system of the file.
-    System { name: String, shift: Option<Expr>, span: Span },
-}
-
-/// Modules of a curve in the order of the word, and how they hang together.
-#[derive(Clone, Debug, Default)]
-pub struct CurveWord {
-    pub modules: Vec<Module>,
-    /// One for each module.
-    pub hangs: Vec<Hang>,
-    /// Modules and `eps`.
-    pub slots: u32,
-}
-
-/// What a module of a written word hangs on.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Hang {
-    /// The module of the same word; none on what stands before the word.
-    pub on: Option<usize>,
-    /// It begins a branch.
-    pub lateral: bool,
-    /// It hangs on nothing at all: the first of a curve that the turtle begins.
-    pub root: bool,
-    /// Its place in the word, `eps` counted and brackets not.
-    pub slot: u32,
-}
-
-impl CurveWord {
-    /// The module that what follows the word hangs on; none if the word has nothing on its axis.
-    pub fn exit(&self) -> Option<usize> {
-        let mut at = None;
-        for (n, hang) in self.hangs.iter().enumerate() {
-            if hang.on == at && !hang.lateral {
-                at = Some(n);
-            }
-        }
-        at
-    }
-}
-
-#[derive(Clone, Debug)]
-pub enum CurveSource {
-    /// All points of a file, or of the curve in it with this index.
-    File { path: String, index: Option<u32>, span: Span },
-    /// Vectors.
-    Inline(Vec<Value>),
-    /// The points of the final word of an earlier system.
-    System { name: String, span: Span },
-}
-
-/// `P(0) = file "teapot.bpt"`: each net of the source becomes one root, a module P(0).
-#[derive(Clone, Debug)]
-pub struct PatchStart {
-    pub symbol: SymbolId,
-    /// One for each field; they read uniforms at most.
-    pub args: Vec<Expr>,
-    pub source: PatchSource,
-    pub span: Span,
-}
-
-#[derive(Clone, Debug)]
-pub enum PatchSource {
-    /// All nets of a file, or the one with this index.
-    File { path: String, index: Option<u32>, span: Span },
-    /// Points row by row, `(degree u + 1) × (degree v + 1)`; x, y, z, not yet multiplied by the weight, and a weight of 1 where none was written.
-    Inline { points: Vec<[f32; 4]>, span: Span },
-    /// The final word of an earlier system of the file.
-    System { name: String, span: Span },
+    /// In the order of the word.
+    Curve(Vec<CurveStart>),
+    /// In the order of the word.
+    Meshes(Vec<MeshStart>),
 }
 
 #[derive(Clone, Debug)]
@@ -215,7 +150,8 @@ pub struct Rule {
     pub index: usize,
     pub queries: Vec<QueryUse>,
     pub left: Option<Context>,
-    /// The symbols of the strict predecessors; one in patch systems.
+    /// The symbols of the strict predecessors; one in patch systems. Of mesh systems several are faces of equal tag,
+    /// joined with `&`.
     pub strict: Vec<SymbolId>,
     pub right: Option<Context>,
     /// Every name that the predecessor binds: what [`ExprKind::Binder`](super::expr::ExprKind::Binder) counts.
@@ -283,7 +219,8 @@ pub enum BinderPlace {
     },
     /// The value of the rule's n-th query use.
     Query(usize),
-    /// The tag `@t` of strict predecessor `module` (mesh systems).
+    /// The tag `@t` of strict predecessor `module` (mesh systems), which a face without one does not match. Where tags
+    /// have several ints it is the first of them; a join compares them all.
     Tag {
         module: usize,
     },
@@ -312,8 +249,10 @@ pub enum Successor {
     Split(Block),
     /// A word of a curve system.
     Word(CurveWord),
-    /// The modules of a mesh system's slots, or of a branching surface. The full form is in the syntax tree.
-    Modules(Vec<Module>),
+    /// Patch systems: a surface that branches.
+    Surface(Vec<SurfaceElement>),
+    /// Mesh systems: what becomes of a face.
+    Face(FaceSuccessor),
 }
 
 /// A module of a successor: its arguments have the types of the symbol's fields.
@@ -322,22 +261,6 @@ pub struct Module {
     pub symbol: SymbolId,
     pub args: Vec<Expr>,
     pub span: Span,
-}
-
-/// A 1×2, 2×1 or 2×2 block; cells row by row (row = u, column = v).
-#[derive(Clone, Debug)]
-pub struct Block {
-    pub rows: usize,
-    pub columns: usize,
-    pub cells: Vec<Cell>,
-    pub span: Span,
-}
-
-#[derive(Clone, Debug)]
-pub enum Cell {
-    Eps,
-    Module(Module),
-    Block(Block),
 }
 
 /// `place NAME on A, B = …`: where vertices go.
@@ -381,7 +304,42 @@ pub enum StepKind {
     Trace {
         into: SymbolId,
     },
-    /// `subdivide`, `mark`, `crease`, `deposit`: the word that names it; the rest is in the
-    /// syntax tree.
-    Other(&'static str),
+    Subdivide {
+        /// Its name in the [`Vocabulary`](super::Vocabulary), which stands for what refines by it.
+        scheme: &'static str,
+        levels: Expr,
+        /// Index into [`System::placements`]: it moves the vertices of each level.
+        place: Option<usize>,
+    },
+    /// Faces for which the condition, of type bool, holds get the module.
+    Mark {
+        module: FaceModule,
+        condition: Expr,
+        /// No two neighbours get it.
+        isolated: bool,
+    },
+    /// Edges for which the condition, of type bool, holds get the sharpness, a float.
+    Crease {
+        sharpness: Expr,
+        condition: Expr,
+    },
+    /// Reserved: what it writes into a volume is still open.
+    Deposit,
+}
+
+impl StepKind {
+    /// The word that the step begins with.
+    pub fn word(&self) -> &'static str {
+        match self {
+            StepKind::Derive { .. } => "derive",
+            StepKind::Repeat { .. } => "repeat",
+            StepKind::If { .. } => "if",
+            StepKind::Place(_) => "place",
+            StepKind::Trace { .. } => "trace",
+            StepKind::Subdivide { .. } => "subdivide",
+            StepKind::Mark { .. } => "mark",
+            StepKind::Crease { .. } => "crease",
+            StepKind::Deposit => "deposit",
+        }
+    }
 }
