@@ -6,9 +6,11 @@ use crate::plan::derive::StageId;
 use crate::plan::layout::Layout;
 use crate::plan::step::{self, Column, Pass};
 use crate::plan::{Given, Plan};
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// One compute pipeline; `stages` of it where a pass takes several dispatches.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Kernel {
     pub layout: wgpu::BindGroupLayout,
     pub pipelines: Vec<wgpu::ComputePipeline>,
@@ -16,6 +18,9 @@ pub struct Kernel {
     pub slotted: bool,
     label: &'static str,
 }
+
+/// Kernels by their source, bindings and entries.
+pub type Kept = Arc<Mutex<HashMap<(String, Vec<Bound>, Vec<String>), Kernel>>>;
 
 impl Kernel {
     /// A kernel whose bindings are these columns: (column, written).
@@ -31,6 +36,14 @@ impl Kernel {
 
     /// A kernel with these bindings, numbered from 0.
     pub fn with_bindings(engine: &Engine, shader: &Shader, bindings: &[Bound], entries: &[&str]) -> Kernel {
+        let Some(kept) = &engine.kept else { return Kernel::made(engine, shader, bindings, entries) };
+        let entry_names = entries.iter().map(|entry| entry.to_string()).collect();
+        let key = (shader.source.clone(), bindings.to_vec(), entry_names);
+        let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.entry(key).or_insert_with(|| Kernel::made(engine, shader, bindings, entries)).clone()
+    }
+
+    fn made(engine: &Engine, shader: &Shader, bindings: &[Bound], entries: &[&str]) -> Kernel {
         let device = &engine.device;
         let label = shader.name;
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -139,7 +152,7 @@ impl Kernel {
 }
 
 /// How a kernel sees a buffer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Bound {
     Uniform,
     /// A uniform that is one of several in a buffer, chosen when it is bound.
