@@ -41,4 +41,5 @@ mod scan;
 mod shaders;
 mod small;
 mod tessellate;
+mod tier;
 mod turtle;
