@@ -1,6 +1,8 @@
 //! The devices that the GPU tests run on.
 
-use burgeon::gpu::{Engine, Headless, Requirement, adapters_in};
+use crate::tier;
+use burgeon::gpu::{Engine, Error, Headless, Requirement, adapters_in};
+use std::sync::OnceLock;
 
 /// The adapter that `BURGEON_ADAPTER` names, else the preferred one of an instance that hides all
 /// that is not WebGPU. None only if `BURGEON_SKIP_GPU=1` asks for it: without an adapter the tests
@@ -12,7 +14,7 @@ pub fn headless() -> Option<Headless> {
     let named = std::env::var("BURGEON_ADAPTER").ok();
     let found = match &named {
         Some(name) => Headless::new(Requirement::Named(name)),
-        None => strict(),
+        None => preferred(),
     };
     match found {
         Ok(headless) => Some(headless),
@@ -24,11 +26,19 @@ fn skipped(variable: &str) -> bool {
     std::env::var(variable).is_ok_and(|v| v == "1")
 }
 
-/// The preferred adapter under strict WebGPU compliance.
-fn strict() -> Result<Headless, burgeon::gpu::Error> {
-    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
-    descriptor.flags |= wgpu::InstanceFlags::STRICT_WEBGPU_COMPLIANCE;
-    match adapters_in(descriptor).first() {
+/// The preferred adapter under strict WebGPU compliance, or where none is that strict the preferred one. It is looked
+/// for once; each test has a device of its own.
+fn preferred() -> Result<Headless, Error> {
+    static ADAPTER: OnceLock<Option<wgpu::Adapter>> = OnceLock::new();
+    let first = |flags: wgpu::InstanceFlags| {
+        let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+        descriptor.flags |= flags;
+        // Lines of the source, for debuggers of kernels: naga takes a sixth of the time of these tests to find them.
+        descriptor.flags -= wgpu::InstanceFlags::DEBUG;
+        adapters_in(descriptor).into_iter().next()
+    };
+    let strict = wgpu::InstanceFlags::STRICT_WEBGPU_COMPLIANCE;
+    match ADAPTER.get_or_init(|| first(strict).or_else(|| first(wgpu::InstanceFlags::empty()))) {
         Some(adapter) => Headless::open(adapter),
         // It says what is missing.
         None => Headless::new(Requirement::Any),
@@ -50,15 +60,25 @@ fn gl() -> Option<Headless> {
     Some(Headless::open(adapter).unwrap_or_else(|e| panic!("{e}")))
 }
 
-/// All engines that the conformance tests run on, with their names: the one above and, unless
-/// an adapter was named, the GL one.
+/// Both engines, with their names: the one above and, unless an adapter was named, the GL one.
+pub fn both() -> Vec<(String, Engine)> {
+    list(true)
+}
+
+/// Both engines where all cases are tried. A sample has the GL one where a test asks for [`both`].
 pub fn engines() -> Vec<(String, Engine)> {
+    list(tier::is_all())
+}
+
+fn list(with_gl: bool) -> Vec<(String, Engine)> {
     let Some(first) = headless() else { return Vec::new() };
     let mut list = vec![first];
-    if std::env::var("BURGEON_ADAPTER").is_err() {
+    if with_gl && std::env::var("BURGEON_ADAPTER").is_err() {
         list.extend(gl());
     }
-    let named =
-        |h: Headless| (format!("{} ({:?})", h.info.name, h.info.backend), Engine::new(&h.device, &h.queue));
+    let named = |h: Headless| {
+        let engine = Engine::new(&h.device, &h.queue).keeping_kernels();
+        (format!("{} ({:?})", h.info.name, h.info.backend), engine)
+    };
     list.into_iter().map(named).collect()
 }

@@ -6,6 +6,7 @@ use crate::oracle::expression::{Constants, Declaration, Scope, evaluate};
 use crate::oracle::value::Value as OracleValue;
 use crate::oracle::{self, Random};
 use crate::parity::system;
+use crate::tier;
 use burgeon::conformance::elementary::FUNCTIONS;
 use burgeon::conformance::systems::WRITTEN;
 use burgeon::cpu::Cpu;
@@ -118,7 +119,7 @@ fn job(text: &str) -> (Plan, Axiom) {
 #[test]
 fn random_expressions_are_alike_on_cpu_and_gpu() {
     for (name, engine) in device::engines() {
-        for seed in 0..16 {
+        for seed in 0..tier::cases(6, 16) {
             let text = text(seed);
             let (plan, axiom) = job(&text);
             let gpu = Gpu::new(&engine, &plan).expect("kernels");

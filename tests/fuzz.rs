@@ -9,6 +9,7 @@ mod checks;
 mod texts;
 
 use crate::oracle::Random;
+use crate::tier;
 use arbitrary::{Result, Unstructured};
 use checks::{check_curves, check_files, check_rules, check_values};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -16,7 +17,9 @@ use std::time::{Duration, Instant};
 use texts::{corpus, nearly_right, otherwise_right};
 
 /// Inputs of each test.
-const INPUTS: u64 = 6_000;
+fn inputs() -> u64 {
+    tier::cases(600, 6_000)
+}
 /// No input may take longer, on a busy machine and without optimisation.
 const LIMIT: Duration = Duration::from_secs(5);
 
@@ -27,7 +30,7 @@ type Make = fn(&mut Unstructured, &[String]) -> Result<String>;
 /// what `check` counts: how often it came to the end.
 fn fuzz(corpus: &[String], salt: u64, make: Make, check: impl Fn(&str) -> u64) -> u64 {
     let mut sum = 0;
-    for n in 0..INPUTS {
+    for n in 0..inputs() {
         let mut random = Random::new(n ^ salt);
         let bytes: Vec<u8> = (0..128).flat_map(|_| random.next().to_le_bytes()).collect();
         let text = make(&mut Unstructured::new(&bytes), corpus).expect("bytes enough");
@@ -52,7 +55,7 @@ fn rules_that_are_right_but_for_a_word_are_derived() {
     let texts =
         corpus(&["examples", "src/conformance/systems", "src/conformance/systems/generated"], &["burgeon"]);
     let derived = fuzz(&texts, 0x5eed_0004, otherwise_right, check_rules);
-    assert!(derived > INPUTS / 10, "only {derived} words of {INPUTS} texts");
+    assert!(derived > inputs() / 10, "only {derived} words of {} texts", inputs());
 }
 
 const BV: &str = "Group 1 quarter\n8\n2 1\n1 0 0 1\n1 0 2 1\n0.7 0.7 0 0.7\n0.7 0.7 1.4 0.7\n0 1 0 1\n0 1 2 1\n\
@@ -65,7 +68,7 @@ fn files_of_nets_that_are_nearly_right() {
     // Most of a long file says the same again and again.
     texts.iter_mut().for_each(|t| t.truncate(t.floor_char_boundary(3000)));
     let whole = fuzz(&texts, 0x5eed_0002, nearly_right, |text| check_files(text.as_bytes()));
-    assert!(whole > INPUTS / 20, "only {whole} files of {INPUTS} texts");
+    assert!(whole > inputs() / 20, "only {whole} files of {} texts", inputs());
 }
 
 #[test]
@@ -84,7 +87,7 @@ fn curves_that_are_nearly_right() {
     let texts =
         [svg, styled, obj, edges, "x,y\n1,2\n3,4\n\n5,6\n", "1,2,3\n4,5,6\n-1e3,0,.5\n"].map(String::from);
     let whole = fuzz(&texts, 0x5eed_0005, nearly_right, |text| check_curves(text.as_bytes()));
-    assert!(whole > INPUTS / 20, "only {whole} files of {INPUTS} texts");
+    assert!(whole > inputs() / 20, "only {whole} files of {} texts", inputs());
 }
 
 #[test]
@@ -95,5 +98,5 @@ fn words_and_values_that_are_nearly_right() {
     let grid = r#"{"size": [2, 1, 2], "from": [0, 0, 0], "to": [1, 0, 1], "values": [1, 0.5, [1, 2], true]}"#;
     let texts = [word, grid, "0.5\n1\n-2e3\n", "1,2,3\n4,5,6\n", "true\nfalse\n"].map(String::from);
     let whole = fuzz(&texts, 0x5eed_0003, nearly_right, |text| check_values(text.as_bytes()));
-    assert!(whole > INPUTS / 20, "only {whole} files of {INPUTS} texts");
+    assert!(whole > inputs() / 20, "only {whole} files of {} texts", inputs());
 }

@@ -42,4 +42,5 @@ mod scan;
 mod shaders;
 mod small;
 mod tessellate;
+mod tier;
 mod turtle;

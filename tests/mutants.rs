@@ -1,11 +1,17 @@
 //! Kernels broken on purpose: the tests must see each.
 
+use crate::tier;
 use burgeon::codegen::{Edit, GENERATED};
 use burgeon::gpu::Engine;
 use std::path::Path;
 
 /// A file of the kernels, what stands there, and what takes its place.
 pub type Mutant = (&'static str, &'static str, &'static str);
+
+/// The mutants to try: of each file the first, or all.
+pub fn sample(list: &[Mutant]) -> Vec<Mutant> {
+    tier::sample(list.iter().copied(), |&(file, ..)| vec![file])
+}
 
 /// Where a file of the kernels is.
 fn path_of(file: &str) -> String {

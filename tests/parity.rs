@@ -4,6 +4,7 @@
 use crate::device;
 use crate::oracle::{self, Tolerance};
 use crate::papers;
+use crate::tier;
 use burgeon::codegen::{Mapping, Tuning};
 use burgeon::cpu::Cpu;
 use burgeon::gpu::{Engine, Gpu};
@@ -92,13 +93,33 @@ pub fn settings(case: &oracle::Case) -> Vec<(String, Value)> {
 
 /// Seeds of random systems; every one that once failed stays in `KEPT`.
 const SEEDS: std::ops::Range<u64> = 0..300;
+const SAMPLE: std::ops::Range<u64> = 0..60;
 const GPU_SEEDS: std::ops::Range<u64> = 0..12;
 const KEPT: [u64; 0] = [];
+/// What the random systems that run on devices have between them.
+const ON_DEVICES: [&str; 14] = [
+    "bezier 3\n",
+    "rational",
+    "eps",
+    "[ [",
+    "bool",
+    "float",
+    "step",
+    "with ",
+    "until terminal",
+    "repeat",
+    "chunks of None",
+    "chunks of Some(64)",
+    "chunks of Some(7)",
+    "chunks of Some(1)",
+];
 
 #[test]
 fn oracle_and_cpu_agree_after_every_step_of_random_systems() {
-    for seed in SEEDS.chain(KEPT) {
+    let mut missing = tier::Missing::new(&oracle::CONSTRUCTS);
+    for seed in tier::cases(SAMPLE, SEEDS).chain(KEPT) {
         let case = oracle::case(seed);
+        missing.has_less(&case.text);
         let words = case.derive();
         let job = Job::new(&case.text, &case.nets, settings(&case));
         let tolerance = Tolerance::Lattice { bits: case.bits, c: 4.0 };
@@ -112,6 +133,7 @@ fn oracle_and_cpu_agree_after_every_step_of_random_systems() {
         let all = job.word(&mut job.cpu(1), case.steps.map(|s| s as u32), None);
         assert_eq!(all.steps as usize, words.len() - 1, "{case}\nsteps of the whole schedule");
     }
+    missing.assert_none();
 }
 
 #[test]
@@ -134,12 +156,16 @@ fn cpu_gives_the_same_bytes_however_it_is_cut_and_shared_out() {
 
 #[test]
 fn gpu_and_cpu_agree_after_every_pass_of_random_systems() {
+    let chunk_of = |case: &oracle::Case| {
+        let chunk = [None, Some(64), Some(7), Some(1)][case.seed as usize % 4];
+        chunk.filter(|c| *c > 1 || case.derive().iter().all(|w| w.modules.len() < 60))
+    };
+    let described = |case: &oracle::Case| format!("{}chunks of {:?}", case.text, chunk_of(case));
+    let cases = tier::covering(GPU_SEEDS.chain(KEPT).map(oracle::case), &ON_DEVICES, described);
     for (name, engine) in device::engines() {
-        for seed in GPU_SEEDS.chain(KEPT) {
-            let case = oracle::case(seed);
-            let job = Job::new(&case.text, &case.nets, settings(&case));
-            let chunk = [None, Some(64), Some(7), Some(1)][seed as usize % 4];
-            let chunk = chunk.filter(|c| *c > 1 || case.derive().iter().all(|w| w.modules.len() < 60));
+        for case in &cases {
+            let job = Job::new(&case.text, &case.nets, settings(case));
+            let chunk = chunk_of(case);
             let mut pair = Pair::new(job.cpu(2), job.gpu(&engine), ["CPU", "GPU"]);
             let options = job.options(case.steps.map(|s| s as u32), chunk);
             let result = derive(&job.axiom, &options, &mut pair);
@@ -151,12 +177,16 @@ fn gpu_and_cpu_agree_after_every_pass_of_random_systems() {
 }
 
 /// The papers' numbers on a backend of the engine.
-fn papers_on(word: &dyn Fn(&Job, u32) -> Word) {
+fn papers_on<B: Backend>(backend: &dyn Fn(&Job) -> B)
+where
+    B::Error: Debug,
+{
     let derive = |text: &str, roots: &[oracle::Net]| {
         let job = Job::new(text, roots, Vec::new());
+        let mut backend = backend(&job);
         let mut words = Vec::new();
         loop {
-            let next = word(&job, words.len() as u32);
+            let next = job.word(&mut backend, Some(words.len() as u32), None);
             // The schedule has ended when fewer steps were done than were asked for.
             if next.steps as usize != words.len() {
                 return words;
@@ -172,13 +202,13 @@ fn papers_on(word: &dyn Fn(&Job, u32) -> Word) {
 
 #[test]
 fn papers_numbers_hold_on_the_cpu() {
-    papers_on(&|job, steps| job.word(&mut job.cpu(2), Some(steps), None));
+    papers_on(&|job| job.cpu(2));
 }
 
 #[test]
 fn papers_numbers_hold_on_the_gpu() {
     for (_, engine) in device::engines() {
-        papers_on(&|job, steps| job.word(&mut job.gpu(&engine), Some(steps), None));
+        papers_on(&|job| job.gpu(&engine));
     }
 }
 
@@ -186,7 +216,9 @@ fn papers_numbers_hold_on_the_gpu() {
 fn every_tuning_gives_the_same_words() {
     let Some(headless) = device::headless() else { return };
     let mappings = [Mapping::NetPerInvocation, Mapping::PointPerInvocation, Mapping::LinePerInvocation];
-    for (mapping, seed) in mappings.into_iter().flat_map(|m| (100..106).map(move |seed| (m, seed))) {
+    for (mapping, seed) in
+        mappings.into_iter().flat_map(|m| tier::cases(100..102, 100..106).map(move |seed| (m, seed)))
+    {
         let tuning = Tuning { mapping, ..Tuning::GPU };
         let engine = Engine::with_tuning(&headless.device, &headless.queue, tuning);
         let case = oracle::case(seed);

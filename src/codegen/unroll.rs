@@ -34,7 +34,10 @@ fn expand<T: Copy>(lines: &[(String, T)], known: &mut Known, out: &mut Vec<(Stri
         at += 1;
         let indent = &line[..line.len() - line.trim_start().len()];
         let closes = |(l, _): &(String, T)| l.strip_prefix(indent).is_some_and(|l| l.starts_with('}'));
-        let block = lines[at..].iter().position(closes).filter(|n| lines[at + n].0.trim_start() == "}");
+        // Of all others nothing is written out, and the ends of their blocks need not be looked for.
+        let may = ["for (var ", "if "].iter().any(|start| line.trim_start().starts_with(start));
+        let end = || lines[at..].iter().position(closes).filter(|n| lines[at + n].0.trim_start() == "}");
+        let block = may.then(end).flatten();
         let Some(len) = block else {
             out.push((line.clone(), *origin));
             continue;

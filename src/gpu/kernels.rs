@@ -7,9 +7,10 @@ use crate::plan::program::{Over, Work};
 use crate::plan::step::{Column, Pass};
 use crate::plan::{Given, Plan};
 use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// One compute pipeline; `stages` of it where a pass takes several dispatches.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Kernel {
     pub layout: wgpu::BindGroupLayout,
     pub pipelines: Vec<wgpu::ComputePipeline>,
@@ -19,6 +20,9 @@ pub struct Kernel {
     pub slotted: bool,
     label: &'static str,
 }
+
+/// Kernels by their source, bindings and entries.
+pub type Kept = Arc<Mutex<HashMap<(String, Vec<Bound>, Vec<&'static str>), Kernel>>>;
 
 impl Kernel {
     /// A kernel whose bindings are these columns: (column, written).
@@ -44,6 +48,13 @@ impl Kernel {
         bindings: &[Bound],
         entries: &[&'static str],
     ) -> Kernel {
+        let Some(kept) = &engine.kept else { return Kernel::made(engine, shader, bindings, entries) };
+        let key = (shader.source.clone(), bindings.to_vec(), entries.to_vec());
+        let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.entry(key).or_insert_with(|| Kernel::made(engine, shader, bindings, entries)).clone()
+    }
+
+    fn made(engine: &Engine, shader: &Shader, bindings: &[Bound], entries: &[&'static str]) -> Kernel {
         let device = &engine.device;
         let label = shader.name;
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -145,7 +156,7 @@ impl Kernel {
 }
 
 /// How a kernel sees a buffer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Bound {
     Uniform,
     /// A uniform that is one of several in a buffer, chosen when it is bound.

@@ -75,6 +75,7 @@ pub struct Engine {
     queue: wgpu::Queue,
     tuning: Tuning,
     edit: Option<codegen::Edit>,
+    kept: Option<kernels::Kept>,
 }
 
 impl Engine {
@@ -89,7 +90,7 @@ impl Engine {
 
     /// The same with sizes of the caller's choice; no result depends on them.
     pub fn with_tuning(device: &wgpu::Device, queue: &wgpu::Queue, tuning: Tuning) -> Engine {
-        Engine { device: device.clone(), queue: queue.clone(), tuning, edit: None }
+        Engine { device: device.clone(), queue: queue.clone(), tuning, edit: None, kept: None }
     }
 
     /// This engine with other sizes.
@@ -101,6 +102,13 @@ impl Engine {
     #[doc(hidden)]
     pub fn with_edit(self, edit: codegen::Edit) -> Engine {
         Engine { edit: Some(edit), ..self }
+    }
+
+    /// The engine, which keeps every kernel that it makes, and gives it to all that ask for the same one, to its clones
+    /// too: tests make the same kernels hundreds of times.
+    #[doc(hidden)]
+    pub fn keeping_kernels(self) -> Engine {
+        Engine { kept: Some(Default::default()), ..self }
     }
 
     pub fn device(&self) -> &wgpu::Device {

@@ -190,9 +190,9 @@ pub mod on_a_device {
     #[test]
     fn every_mutant_of_the_kernel_is_seen() {
         let Some(headless) = device::headless() else { return };
-        let engine = Engine::new(&headless.device, &headless.queue);
+        let engine = Engine::new(&headless.device, &headless.queue).keeping_kernels();
         let frames = [1, 3].map(cases);
         let unseen = |&mutant| mutants::unseen(&engine, mutant, |engine| difference(engine, &frames));
-        mutants::assert_seen(MUTANTS.iter().filter_map(unseen));
+        mutants::assert_seen(mutants::sample(MUTANTS).iter().filter_map(unseen));
     }
 }

@@ -61,6 +61,35 @@ impl Case {
     }
 }
 
+/// Texts that occur in one case or another.
+pub const CONSTRUCTS: [&str; 25] = [
+    "eps",
+    "ε",
+    "until terminal",
+    "repeat",
+    "if ",
+    "with grow",
+    "with thin, grow",
+    "let x",
+    "_",
+    "level",
+    "step",
+    "[0]",
+    "rational",
+    "-2147483648",
+    "% 2",
+    "clamp(",
+    "bool",
+    " in ",
+    "1/2",
+    "bezier 3 ",
+    "p2: ",
+    "→",
+    "≤",
+    " | ",
+    "[ [",
+];
+
 /// The case of a seed: of what the oracle knows, which the engine derives.
 pub fn case(seed: u64) -> Case {
     let mut random = Random::new(seed);

@@ -23,8 +23,8 @@ mod written;
 
 pub use compare::{Tolerance, assert_same, compare, engine_word, lattice_bits};
 pub use derive::Oracle;
-pub use generate::curve::{CurveCase, curve_case, minimise_curve};
-pub use generate::{Case, Random, case, minimise};
+pub use generate::curve::{CurveCase, curve_case, features as curve_features, minimise_curve};
+pub use generate::{CONSTRUCTS, Case, Random, case, minimise};
 pub use halving::{Net, left, right};
 pub use word::{Cell, Module, Param, Word};
 

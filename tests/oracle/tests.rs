@@ -1,6 +1,7 @@
 //! The oracle's own tests: small systems whose words are worked out by hand.
 
 use super::*;
+use crate::tier;
 
 /// A bilinear net over the square: its points tell which part of the root it is.
 fn square() -> Net {
@@ -250,10 +251,10 @@ fn a_seed_is_a_case() {
 /// Every construct occurs, the words live, and they stay bounded.
 #[test]
 fn cases_are_varied_and_bounded() {
-    const CASES: u64 = 300;
+    let count: u64 = tier::cases(100, 300);
     let (mut grown, mut exact, mut erased, mut idle) = (0, 0, 0, 0);
     let mut text = String::new();
-    for seed in 0..CASES {
+    for seed in 0..count {
         let case = case(seed);
         let words = case.derive();
         let (first, last) = (&words[0], words.last().unwrap());
@@ -265,35 +266,10 @@ fn cases_are_varied_and_bounded() {
         idle += u32::from(words.windows(2).any(|w| w[0] == w[1]));
         text += &case.text;
     }
-    assert!(grown > 80 && exact > 150 && idle > 20 && erased < 60, "{grown} {exact} {idle} {erased}");
-    let constructs = [
-        "eps",
-        "ε",
-        "until terminal",
-        "repeat",
-        "if ",
-        "with grow",
-        "with thin, grow",
-        "let x",
-        "_",
-        "level",
-        "step",
-        "[0]",
-        "rational",
-        "-2147483648",
-        "% 2",
-        "clamp(",
-        "bool",
-        " in ",
-        "1/2",
-        "bezier 3 ",
-        "p2: ",
-        "→",
-        "≤",
-        " | ",
-        "[ [",
-    ];
-    for construct in constructs {
+    let part = |of_300: u64| (of_300 * count / 300) as u32;
+    let enough = grown > part(80) && exact > part(150) && idle > part(20) && erased < part(60);
+    assert!(enough, "{grown} {exact} {idle} {erased}");
+    for construct in CONSTRUCTS {
         assert!(text.contains(construct), "no case has `{construct}`");
     }
 }

@@ -2,8 +2,8 @@
 
 use super::far::{mapped, on_lattice};
 use super::{derived, file, tessellated};
-use crate::device;
 use crate::tessellate::sets::{book, torus};
+use crate::{device, tier};
 use burgeon::conformance::tessellation::compare;
 use burgeon::cpu::tessellate::Tessellator as Cpu;
 use burgeon::gpu::tessellate::{Capacity, Frame, Tessellator};
@@ -41,14 +41,10 @@ fn far_off([x, y, z]: [f32; 3]) -> [f32; 3] {
     [x + 5000.0, y - 3000.0, z]
 }
 
-fn engines() -> Vec<(String, Engine)> {
-    device::engines()
-}
-
 #[test]
 fn cpu_and_gpu_make_the_same_mesh() {
-    for (name, engine) in engines() {
-        let sets: Vec<(&str, Vec<Net>, f32)> = vec![
+    for (n, (name, engine)) in device::both().into_iter().enumerate() {
+        let mut sets: Vec<(&str, Vec<Net>, f32)> = vec![
             ("teapot", file("teapot.bpt", false), 0.01),
             ("torus of rational nets", file("torus.bpt", true), 0.01),
             ("sphere", file("sphere.bpt", true), 0.01),
@@ -57,6 +53,8 @@ fn cpu_and_gpu_make_the_same_mesh() {
             ("teapot far off", mapped(&on_lattice(&file("teapot.bpt", false)), far_off), 0.05),
             ("sphere far off", mapped(&file("sphere.bpt", true), far_off), 0.05),
         ];
+        // The second engine compiles the same kernels by another way.
+        sets.retain(|(set, ..)| n == 0 || tier::is_all() || *set == "book");
         for (set, nets, tolerance) in sets {
             let what = format!("{set} on {name}");
             for seams in [false, true] {

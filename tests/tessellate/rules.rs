@@ -350,7 +350,7 @@ const MUTANTS: &[mutants::Mutant] = &[
 #[test]
 fn every_mutant_of_the_word_is_seen() {
     let Some(headless) = device::headless() else { return };
-    let engine = Engine::new(&headless.device, &headless.queue);
+    let engine = Engine::new(&headless.device, &headless.queue).keeping_kernels();
     let rules = {
         let mut rules = rules(LACE);
         let (mut nets, _) = super::sets::scrambled(&file("teapot.bpt", false), 3);
@@ -363,7 +363,8 @@ fn every_mutant_of_the_word_is_seen() {
     let whole = Options { format: super::kernels::formats()[0], ..Options::default() };
     let differs = |engine: &Engine| frames(engine, &rules, &whole);
     assert_eq!(differs(&engine), None, "without a mutant");
-    mutants::assert_seen(MUTANTS.iter().filter_map(|&mutant| mutants::unseen(&engine, mutant, differs)));
+    let sample = mutants::sample(MUTANTS);
+    mutants::assert_seen(sample.iter().filter_map(|&mutant| mutants::unseen(&engine, mutant, differs)));
 }
 
 /// Whether a file has mutants here.

@@ -1,9 +1,10 @@
 //! The oracle's own tests: small systems whose words are worked out by hand.
 
+use super::super::generate::curve::{CONSTRUCTS, KINDS};
 use super::super::lots;
 use super::super::{CurveCase, Random, curve_case, minimise_curve};
 use super::*;
-use burgeon::language::syntax::ContextPart;
+use crate::tier;
 use burgeon::language::vocabulary::Vocabulary;
 use burgeon::language::{Severity, compile};
 
@@ -556,11 +557,11 @@ fn rounded(param: &Param) -> Param {
 /// Every construct occurs, in rules that fire; texts check, words are bounded and exact in f32.
 #[test]
 fn cases_are_varied_and_bounded() {
-    const CASES: u64 = 400;
+    let count: u64 = tier::cases(100, 400);
     let mut text = String::new();
     let mut fired = std::collections::BTreeMap::<&str, usize>::new();
     let (mut alive, mut grown, mut ignored, mut topologies) = (0, 0, 0, [0; 3]);
-    for number in 0..CASES {
+    for number in 0..count {
         let case = curve_case(number);
         let checked = compile(&case.job.text, &Vocabulary::default());
         let error = checked.diagnostics.iter().find(|d| d.severity == Severity::Error);
@@ -578,63 +579,17 @@ fn cases_are_varied_and_bounded() {
                 Job { text: case.job.text.replace(line, ""), ..case.job.clone() }.derive_within(20_000);
             ignored += u32::from(seen.as_ref() != Some(&words));
         }
-        for rule in case.job.fired() {
-            let predecessor = &rule.predecessor;
-            let right = predecessor.right.as_ref();
-            let branch = right.is_some_and(|r| r.parts.iter().any(|p| matches!(p, ContextPart::Branch(_))));
-            let left = predecessor.left.as_ref();
-            let kinds = [
-                ("left", left.is_some()),
-                ("right", right.is_some()),
-                ("both", left.is_some() && right.is_some()),
-                (
-                    "deep",
-                    left.is_some_and(|l| l.patterns.len() > 1) || right.is_some_and(|r| r.parts.len() > 1),
-                ),
-                ("end", left.is_some_and(|l| l.end) || right.is_some_and(|r| r.end)),
-                ("branch", branch),
-                ("several", predecessor.strict.len() > 1),
-                ("weights", rule.alternatives.len() > 1),
-                ("query", !predecessor.queries.is_empty()),
-                ("let", !rule.lets.is_empty()),
-                ("condition", rule.condition.is_some()),
-            ];
-            for (kind, _) in kinds.iter().filter(|(_, is)| *is) {
-                *fired.entry(kind).or_default() += 1;
-            }
+        for kind in case.fired() {
+            *fired.entry(kind).or_default() += 1;
         }
         text += &case.job.text;
     }
-    assert!(alive > 350 && grown > 150 && ignored > 20, "{alive} {grown} {ignored}");
-    assert!(topologies.iter().all(|n| *n > 80), "{topologies:?}");
-    assert_eq!(fired.len(), 11, "{fired:?}");
-    assert!(fired.values().all(|n| *n >= 8), "{fired:?}");
-    let constructs = [
-        "eps",
-        "ε",
-        "until terminal",
-        "repeat",
-        "if ",
-        "with grow",
-        "with thin, grow",
-        "ignore ",
-        "# -> #",
-        "trace into",
-        "with smooth",
-        "shift ",
-        "P(_) = file",
-        "P(_) = [",
-        "rand()",
-        "rand(-3, 3)",
-        "vec3",
-        "p2: ",
-        "1/4*",
-        "mix(",
-        " f",
-        "[ [",
-        "in 0 .. 3",
-    ];
-    for construct in constructs {
+    let part = |of_400: u64| (of_400 * count / 400) as u32;
+    assert!(alive > part(350) && grown > part(150) && ignored > part(20), "{alive} {grown} {ignored}");
+    assert!(topologies.iter().all(|n| *n > tier::cases(10, 80)), "{topologies:?}");
+    assert_eq!(fired.len(), KINDS.len(), "{fired:?}");
+    assert!(fired.values().all(|n| *n >= part(8) as usize), "{fired:?}");
+    for construct in CONSTRUCTS {
         assert!(text.contains(construct), "no case has `{construct}`");
     }
 }

@@ -8,6 +8,7 @@ use super::super::curve::{Job, Topology, Word};
 use super::expression::{Scope, Type};
 use super::shorter;
 use super::system::Generator;
+use burgeon::language::syntax::ContextPart;
 use std::fmt;
 use std::fmt::Write;
 
@@ -37,6 +38,84 @@ impl fmt::Display for CurveCase {
         )?;
         f.write_str(&self.job.text)
     }
+}
+
+/// Texts that occur in one case or another.
+pub const CONSTRUCTS: [&str; 23] = [
+    "eps",
+    "ε",
+    "until terminal",
+    "repeat",
+    "if ",
+    "with grow",
+    "with thin, grow",
+    "ignore ",
+    "# -> #",
+    "trace into",
+    "with smooth",
+    "shift ",
+    "P(_) = file",
+    "P(_) = [",
+    "rand()",
+    "rand(-3, 3)",
+    "vec3",
+    "p2: ",
+    "1/4*",
+    "mix(",
+    " f",
+    "[ [",
+    "in 0 .. 3",
+];
+/// Kinds of rules that fire in one case or another.
+pub const KINDS: [&str; 11] =
+    ["left", "right", "both", "deep", "end", "branch", "several", "weights", "query", "let", "condition"];
+
+impl CurveCase {
+    /// The kinds of its rules that fire, for each rule.
+    pub fn fired(&self) -> Vec<&'static str> {
+        let mut fired = Vec::new();
+        for rule in self.job.fired() {
+            let predecessor = &rule.predecessor;
+            let right = predecessor.right.as_ref();
+            let branch = right.is_some_and(|r| r.parts.iter().any(|p| matches!(p, ContextPart::Branch(_))));
+            let left = predecessor.left.as_ref();
+            let kinds = [
+                ("left", left.is_some()),
+                ("right", right.is_some()),
+                ("both", left.is_some() && right.is_some()),
+                (
+                    "deep",
+                    left.is_some_and(|l| l.patterns.len() > 1) || right.is_some_and(|r| r.parts.len() > 1),
+                ),
+                ("end", left.is_some_and(|l| l.end) || right.is_some_and(|r| r.end)),
+                ("branch", branch),
+                ("several", predecessor.strict.len() > 1),
+                ("weights", rule.alternatives.len() > 1),
+                ("query", !predecessor.queries.is_empty()),
+                ("let", !rule.lets.is_empty()),
+                ("condition", rule.condition.is_some()),
+            ];
+            fired.extend(kinds.iter().filter(|(_, is)| *is).map(|(kind, _)| *kind));
+        }
+        fired
+    }
+
+    /// What [`features`] are looked for in.
+    pub fn described(&self) -> String {
+        let fired: Vec<String> = self.fired().into_iter().map(fires).collect();
+        format!("{}{}", self.job.text, fired.concat())
+    }
+}
+
+fn fires(kind: &str) -> String {
+    format!("fires: {kind}\n")
+}
+
+/// All that there is in one case or another.
+pub fn features() -> Vec<String> {
+    let topologies = ["curve ring", "curve open", "curve tree"];
+    let texts = topologies.into_iter().chain(CONSTRUCTS).map(String::from);
+    texts.chain(KINDS.into_iter().map(fires)).collect()
 }
 
 /// The case of a number.
