@@ -88,7 +88,7 @@
 //! let (word, derivation) = gpu::derive(&engine, &plan, &axiom, &Options::default())?;
 //! assert_eq!(word.modules.len(), 81);
 //! for chunk in &derivation.chunks {
-//!     let (records, nets) = (chunk.records(), chunk.nets()); // buffers, still on the device
+//!     let (records, nets) = (chunk.records(), chunk.nets()); // buffers, still on the device, if there are any
 //! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -116,7 +116,10 @@
 //! - [`affine`]: curve rules as subdivision matrices, matrices as rules, and whole derivations as tables of stencils,
 //!   which [`cpu::stencil`] and `gpu::Stencil` apply to control points that move.
 //! - [`io`]: `.bpt`, `.bv`, `.json`, `.obj`, `.ply`, `.glb`, `.stl`, `.png`; curves also `.svg` and `.csv`.
-//! - [`plan::layout`], then [`plan::step`]: how a step works; both backends walk the same list of passes.
+//! - `gpu::run` (with the feature `gpu`): a whole derivation recorded into your encoder, of patches, of a curve or of
+//!   several words at once, again each frame.
+//! - [`plan::columns`], [`plan::layout`], [`plan::step`], [`plan::program`], in this order: what a word is in memory, and
+//!   how a step works. Both backends and the recorded derivation walk the same list of passes.
 //! - `conformance` (with the feature `gpu`): the suite that holds a device against the CPU, for the
 //!   command and for programs that embed the engine.
 //! - The folder `examples/` has rule files to begin with; `burgeon run FILE.burgeon --out picture.png`

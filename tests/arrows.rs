@@ -78,6 +78,36 @@ fn arrows_go_one_way() {
     assert!(wrong.is_empty(), "arrows that go the wrong way:\n{}", wrong.join("\n"));
 }
 
+/// How the kind of a word may be asked for: only `plan` does, in `plan/kind` and what is of one kind alone.
+const KINDS: [&str; 9] = [
+    "system::Kind",
+    "Kind::Curve",
+    "Kind::Patch",
+    "Kind::Mesh",
+    "is_ring(",
+    "one_piece(",
+    "link.is_some(",
+    "link.is_none(",
+    "net.is_",
+];
+
+#[test]
+fn backends_and_codegen_ask_for_no_kind_of_word() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut files = Vec::new();
+    ["cpu", "gpu", "codegen"].iter().for_each(|part| sources(&src.join(part), &mut files));
+    assert!(files.len() > 40, "the sources were not found");
+    let mut wrong = Vec::new();
+    for path in files {
+        let text = fs::read_to_string(&path).expect("a source");
+        let lines = text.lines().enumerate().filter(|(_, line)| !line.trim_start().starts_with("//"));
+        for (n, line) in lines.filter(|(_, line)| KINDS.iter().any(|kind| line.contains(kind))) {
+            wrong.push(format!("{}:{}: {}", path.display(), n + 1, line.trim()));
+        }
+    }
+    assert!(wrong.is_empty(), "the kind of a word belongs to src/plan/kind:\n{}", wrong.join("\n"));
+}
+
 #[test]
 fn only_gpu_and_render_name_wgpu() {
     let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");

@@ -197,7 +197,7 @@ pub fn refuse_others(plan: &Plan) -> Result<(), Error> {
     if layout.net.is_some() {
         return Err(no_curve(&plan.system));
     }
-    if layout.halo() == 0 {
+    if layout.one_piece() || layout.word.is_some() {
         let what = "words with branches, ignored symbols or several curves have no matrix in this version";
         return Err(Error::Rules(format!("{name}: {what}")));
     }

@@ -210,7 +210,7 @@ pub fn kernel(
     let scans = work.calls.iter().any(|call| matches!(call.over, Over::Tiles(_)));
     let mut constants = if scans { scan_constants(tuning) } else { workgroup_constant(tuning) };
     constants.push_str(&layout_constants(layout, tuning));
-    constants.push_str(&format!("const RING = {};\n", plan.is_ring()));
+    constants.push_str(&format!("const RING = {};\n", layout.ring));
     if work.pass.row().of_rules {
         constants.push_str(&stage_constants(plan, stage, tuning));
     }

@@ -32,11 +32,11 @@ pub fn status(stage: &Stage, words: &[u32], block: &Input, rules: &[u32]) -> Sta
     for (i, &rule) in rules.iter().enumerate() {
         if rule < stage.keep() {
             status.fired = 1;
-            if block.layout.net.is_none() {
-                continue;
+            let halves = words[rule as usize] & 3;
+            if halves != 0 {
+                let header = Header::read(block.record(i));
+                status.too_deep |= u32::from(header.child(halves, 0, 0).is_none());
             }
-            let header = Header::read(block.record(i));
-            status.too_deep |= header.child(words[rule as usize] & 3, 0, 0).is_none() as u32;
         } else if rule == stage.retired() {
             status.retired_symbols |= 1 << ((block.record(i)[0] & 0xffff) % 32);
         }

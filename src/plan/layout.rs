@@ -68,6 +68,8 @@ pub struct Layout {
     pub word: Option<usize>,
     /// Modules beside a chunk's own, on either side.
     pub(crate) halo: usize,
+    /// The last module of a word is followed by the first.
+    pub ring: bool,
     /// Degrees along u and v of nets, 1..=8 each, where modules have nets.
     pub net: Option<[u8; 2]>,
 }
@@ -78,6 +80,8 @@ pub struct CurveHeader {
     pub paths: bool,
     pub links: bool,
     pub words: bool,
+    /// They have none of it, but the last is followed by the first.
+    pub ring: bool,
 }
 
 impl Layout {
@@ -91,6 +95,7 @@ impl Layout {
             link: None,
             word: None,
             halo: 0,
+            ring: false,
             net: Some(degree),
         }
     }
@@ -113,6 +118,7 @@ impl Layout {
             link,
             word,
             halo: if link.is_none() { HALO } else { 0 },
+            ring: has.ring,
             net: None,
         }
     }

@@ -142,11 +142,11 @@ fn structs_lie_in_wgsl_as_in_rust() {
     ];
     assert_eq!(outputs, wanted.map(|(name, at)| (name.to_string(), at)));
     assert_eq!(size as usize, size_of::<Outputs>());
-    // A scan sees a range as an extent: both begin with the count.
+    // A scan sees a range as an extent, and binds as much: both begin with the count.
     let (range, size) = struct_of("decide", "Range");
     assert_eq!((range[0].clone(), size), (("count".to_string(), 0), 32));
     let (extent, size) = struct_of("scan", "Extent");
-    assert_eq!((extent[0].clone(), size), (("count".to_string(), 0), 32));
+    assert_eq!((extent[0].clone(), size), (("count".to_string(), 0), 48));
 }
 
 #[test]

@@ -60,7 +60,8 @@ impl WordKind for Curve {
             let what = "`until terminal` beside random numbers or `step`, in several words at once";
             return Err(Unsupported::new(what, span));
         }
-        let has = CurveHeader { paths: draws(system), links, words: several };
+        let ring = system.kind == Kind::Curve(Topology::Ring);
+        let has = CurveHeader { paths: draws(system), links, words: several, ring };
         Ok(Layout::of_curve(param_words, has))
     }
 
