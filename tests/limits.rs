@@ -358,7 +358,7 @@ fn growth(plan: &Plan, job: &Job) -> Vec<burgeon::plan::size::Bounds> {
     let schedule = schedule::unroll(plan, &job.uniforms).expect("a schedule");
     let content = plan.axiom(&job.axiom, &job.uniforms).expect("an axiom");
     let records = content.records();
-    bounds(plan, &job.uniforms, &records, &schedule, u64::MAX)
+    bounds(plan, &job.uniforms, records, &schedule, u64::MAX)
 }
 
 #[test]

@@ -99,7 +99,21 @@ run:
   trace into P
 ";
 
-const ALL: [&str; 5] = [RING, OPEN, TREE, NOTHING, MOVES];
+/// A ring in which rules of several predecessors may not go across its start.
+const PAIRS: &str = "\
+system pairs : curve ring
+param most: int = 3 in 0 .. 6
+param ratio: float = 0.5 in 0 .. 1
+module A, B
+axiom: A B A
+rules:
+  A B -> B A A
+  B A -> (ratio) A B B -> (1 - ratio) A
+run:
+  derive most
+";
+
+const ALL: [&str; 6] = [RING, OPEN, TREE, NOTHING, MOVES, PAIRS];
 
 fn of(text: &str) -> (System, Axiom) {
     let system = System::parse(text).unwrap_or_else(|e| panic!("{e}"));
@@ -259,7 +273,7 @@ const MUTANTS: &[mutants::Mutant] = &[
 fn every_mutant_of_recorded_curves_is_seen() {
     let Some(headless) = device::headless() else { return };
     let engine = Engine::new(&headless.device, &headless.queue);
-    let all = [RING, OPEN, NOTHING].map(|text| {
+    let all = [RING, OPEN, NOTHING, PAIRS].map(|text| {
         let (system, axiom) = of(text);
         let plan = Plan::new(&system).expect("a plan");
         let expected = expected(&engine, &plan, &axiom);

@@ -83,10 +83,13 @@ impl Buffers {
             }
             Ok::<_, Error>(stand)
         };
-        let mut sizes: HashMap<Column, u64> = HashMap::new();
+        // What is given, and what is read between sweeps, those of closed growth among them.
+        let given = (room.given as u64 * 4).max(16);
+        let mut sizes: HashMap<Column, u64> =
+            HashMap::from([(Column::Attributes, given), (Column::Offsets, 32), (Column::Status, 32)]);
         for stage in plan.stages().into_iter().map(|id| id.of(plan)) {
             let written = stage.program.recorded().flat_map(|work| &work.bindings).filter(|bound| bound.1);
-            for &(column, _) in written.chain([&(Column::Attributes, true)]) {
+            for &(column, _) in written {
                 let Some(size) = program::size(column, stage, room.given) else { continue };
                 let bytes = sizes.entry(column).or_default();
                 *bytes = size.bytes(n, tile).max(*bytes);
@@ -95,16 +98,6 @@ impl Buffers {
         let mut columns = HashMap::new();
         for (column, bytes) in sizes {
             columns.insert(column, make(of_run(column), bytes, storage)?);
-        }
-        let given = (room.given as u64 * 4).max(16);
-        if !columns.contains_key(&Column::Attributes) {
-            columns.insert(Column::Attributes, make(of_run(Column::Attributes), given, storage)?);
-        }
-        for column in [Column::Offsets, Column::Status] {
-            // Read between sweeps, those of closed growth among them.
-            if !columns.contains_key(&column) {
-                columns.insert(column, make(of_run(column), 32, storage)?);
-            }
         }
         Ok(Buffers {
             places: [axiom, stand()?, stand()?],
