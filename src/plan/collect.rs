@@ -1,4 +1,4 @@
-//! What a derivation has made, read back. Each kind says what its words are: [`super::kind`].
+//! What a derivation has made, read back. Each kind says what its words are: `src/plan/kind`.
 
 use super::columns::Content;
 use super::derive::{Backend, Derivation};

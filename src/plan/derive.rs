@@ -189,7 +189,7 @@ impl Asked {
 /// Runs the whole schedule of the backend's plan on `start`.
 ///
 /// # Errors
-/// What [`Plan::settings`], [`Given::new`] and [`Start::modules`] say of the options and the start, and the backend.
+/// What [`Plan::settings`], [`Given::new`] and [`Start::content`] say of the options and the start, and the backend.
 pub fn derive<S: Start, B: Backend>(
     start: &S,
     options: &Options,

@@ -1,4 +1,4 @@
-//! What a derivation starts from. Each kind says how its axiom becomes columns: [`super::kind`].
+//! What a derivation starts from. Each kind says how its axiom becomes columns: `src/plan/kind`.
 
 use super::collect::Collected;
 use super::columns::Content;
