@@ -1,10 +1,9 @@
 //! A stage as a program: which passes run over a chunk, with which entry points and columns, over how many elements.
 //!
-//! It is built once, from the tables. The CPU backend, the GPU backend that waits and the derivation that is recorded loop
+//! It is built once, from the tables, by the kind of the system (`src/plan/kind`). The CPU backend, the GPU backend that waits and the derivation that is recorded loop
 //! over this one list; none of them knows what kind of word it rewrites.
 
 use super::columns::Domain;
-use super::layout::Layout;
 use super::step::{Column, Pass};
 use super::tables::Stage;
 use super::turtle::MOTION_WORDS;
@@ -67,7 +66,7 @@ pub enum Total {
 }
 
 impl Call {
-    const fn once(entries: &'static [&'static str], over: Over) -> Call {
+    pub(super) const fn once(entries: &'static [&'static str], over: Over) -> Call {
         Call { entries, over, rounds: None }
     }
 
@@ -88,26 +87,20 @@ fn doublings(n: u64, more: u32) -> usize {
 }
 
 impl Work {
-    fn new(pass: Pass, calls: Vec<Call>) -> Work {
+    pub(super) fn new(pass: Pass, calls: Vec<Call>) -> Work {
         Work { pass, bindings: pass.row().bindings().collect(), calls }
     }
 
     /// One dispatch, an invocation for each module.
-    fn each(pass: Pass) -> Work {
+    pub(super) fn each(pass: Pass) -> Work {
         Work::new(pass, vec![Call::once(pass.row().entries, Over::Each(Domain::Module))])
     }
 
     /// A scan over the modules: tiles are reduced, one workgroup scans the tiles, each tile goes on from there.
-    fn scan(pass: Pass) -> Work {
+    pub(super) fn scan(pass: Pass) -> Work {
         let over = [Over::Tiles(Domain::Module), Over::Group, Over::Tiles(Domain::Module)];
         let entries = pass.row().entries.chunks(1);
         Work::new(pass, entries.zip(over).map(|(entry, over)| Call::once(entry, over)).collect())
-    }
-
-    /// The same pass, which reads links after all else.
-    fn linked(mut self, linked: bool) -> Work {
-        self.bindings.extend(linked.then_some((Column::Links, false)));
-        self
     }
 
     /// What it counts, and the column that holds the number: after what it holds of each tile.
@@ -136,84 +129,6 @@ impl Program {
     pub fn writes(&self, column: Column) -> bool {
         self.works().any(|work| work.bindings.contains(&(column, true)))
     }
-
-    /// The program of a stage that rewrites nets.
-    pub fn of_nets(stage: &Stage) -> Program {
-        let measure = (stage.row.words > 0).then(|| Work::each(Pass::Measure));
-        let emit = Work::new(Pass::Emit, vec![Call::once(Pass::Emit.row().entries, Over::Children)]);
-        if stage.closed.is_some() {
-            return Program { writing: measure.into_iter().chain([emit]).collect(), ..Program::default() };
-        }
-        let compact = stage.may_retire().then(|| Work::scan(Pass::Compact));
-        let count = [Work::each(Pass::Match), Work::each(Pass::Count), Work::scan(Pass::Scan)];
-        Program {
-            joining: Vec::new(),
-            counting: measure.into_iter().chain(count).chain(compact).collect(),
-            writing: vec![emit],
-            retiring: stage.may_retire().then(|| Work::each(Pass::Retire)).into_iter().collect(),
-        }
-    }
-
-    /// The program of a stage that rewrites the modules of curves. `ignoring`: contexts look past some symbols.
-    pub fn of_words(stage: &Stage, layout: &Layout, ignoring: bool) -> Program {
-        let linked = layout.link.is_some();
-        let turtle =
-            stage.row.turtle.then(|| if linked { turtle_linked() } else { Work::scan(Pass::Turtle) });
-        let join = Work::new(Pass::Join, vec![Call::once(Pass::Join.row().entries, Over::Group)]);
-        let joining: Vec<Work> = (layout.halo() > 0).then_some(join).into_iter().collect();
-        let children = Call::once(Pass::EmitWord.row().entries, Over::Children);
-        let emit = Work::new(Pass::EmitWord, vec![children]).linked(linked);
-        if stage.closed.is_some() {
-            let writing = turtle.into_iter().chain([emit]).collect();
-            return Program { joining, writing, ..Program::default() };
-        }
-        let mut counting: Vec<Work> = turtle.into_iter().collect();
-        if linked {
-            counting.push(link(stage.sees_branches(), ignoring));
-        }
-        counting.push(Work::each(Pass::Match).linked(linked));
-        if stage.claims() {
-            counting.push(Work::scan(Pass::Claim));
-        }
-        counting.extend([Work::each(Pass::Count), Work::scan(Pass::Scan)]);
-        if linked {
-            counting.push(hang(stage.unhangs()));
-        }
-        Program { joining, counting, writing: vec![emit], retiring: Vec::new() }
-    }
-}
-
-const EACH: Over = Over::Each(Domain::Module);
-
-/// Where the turtle stands: motions are composed along links, from one half of the columns to the other and back.
-fn turtle_linked() -> Work {
-    let calls = vec![
-        Call::once(&["begin"], EACH),
-        Call { entries: &["away", "back"], over: EACH, rounds: Some(0) },
-        Call::once(&["turtle_linked"], EACH),
-    ];
-    Work::new(Pass::TurtleLinked, calls)
-}
-
-/// The links that contexts follow.
-fn link(branches: bool, ignoring: bool) -> Work {
-    let mut calls = vec![Call::once(&["start", "link"], EACH)];
-    if branches {
-        calls.push(Call::once(&["settle"], EACH));
-    }
-    if branches || ignoring {
-        calls.push(Call { entries: &["jump"], over: EACH, rounds: Some(1) });
-    }
-    Work::new(Pass::Link, calls)
-}
-
-/// What children hang on.
-fn hang(unhangs: bool) -> Work {
-    let mut calls = vec![Call::once(&["unhang"], EACH)];
-    if unhangs {
-        calls.push(Call { entries: &["rehang"], over: EACH, rounds: Some(1) });
-    }
-    Work::new(Pass::Hang, calls)
 }
 
 /// How many elements a column has.

@@ -109,11 +109,8 @@ pub fn linked_plan(ring: bool) -> burgeon::plan::Plan {
     let system = burgeon::language::System::parse(&text).expect("a system");
     let mut plan = burgeon::plan::Plan::new(&system).expect("a plan");
     let tables = std::sync::Arc::make_mut(&mut plan.tables);
-    tables.layout = layout(true);
+    tables.lay_out(layout(true));
     tables.turtle = super::accuracy::plan(ring, &tables.layout);
-    for stage in tables.rule_sets.iter_mut().flat_map(|set| &mut set.stages) {
-        stage.program = burgeon::plan::program::Program::of_words(stage, &tables.layout, false);
-    }
     plan
 }
 

@@ -7,11 +7,12 @@ use crate::language::expr::Value;
 use crate::language::system::{self, CurveStart, Hang, Kind, Rule, Successor, System, Topology};
 use crate::patch;
 use crate::plan::collect::{Collected, table_of, whole};
-use crate::plan::columns::Content;
+use crate::plan::columns::{Content, Domain};
 use crate::plan::derive::Options;
 use crate::plan::layout::{self, CurveHeader, LATERAL, Layout, NONE};
-use crate::plan::program::Program;
+use crate::plan::program::{Call, Over, Program, Work};
 use crate::plan::start::Start;
+use crate::plan::step::{Column, Pass};
 use crate::plan::supported::{MOST_CELLS, MOST_STRICT, Unsupported};
 use crate::plan::tables::{Becomes, Builder, Resolve, RulesOf, Stage, draws, ends_apart, successor};
 use crate::plan::{Error, Plan, Settings};
@@ -81,7 +82,30 @@ impl WordKind for Curve {
     }
 
     fn program(&self, stage: &Stage, layout: &Layout, ignoring: bool) -> Program {
-        Program::of_words(stage, layout, ignoring)
+        let linked = layout.link.is_some();
+        let turtle =
+            stage.row.turtle.then(|| if linked { turtle_linked() } else { Work::scan(Pass::Turtle) });
+        let join = Work::new(Pass::Join, vec![Call::once(Pass::Join.row().entries, Over::Group)]);
+        let joining: Vec<Work> = (layout.halo() > 0).then_some(join).into_iter().collect();
+        let children = Call::once(Pass::EmitWord.row().entries, Over::Children);
+        let emit = reading_links(Work::new(Pass::EmitWord, vec![children]), linked);
+        if stage.closed.is_some() {
+            let writing = turtle.into_iter().chain([emit]).collect();
+            return Program { joining, writing, ..Program::default() };
+        }
+        let mut counting: Vec<Work> = turtle.into_iter().collect();
+        if linked {
+            counting.push(link(stage.sees_branches(), ignoring));
+        }
+        counting.push(reading_links(Work::each(Pass::Match), linked));
+        if stage.claims() {
+            counting.push(Work::scan(Pass::Claim));
+        }
+        counting.extend([Work::each(Pass::Count), Work::scan(Pass::Scan)]);
+        if linked {
+            counting.push(hang(stage.unhangs()));
+        }
+        Program { joining, counting, writing: vec![emit], retiring: Vec::new() }
     }
 
     fn first_symbols(&self, axiom: &system::Axiom) -> Vec<usize> {
@@ -102,6 +126,45 @@ impl WordKind for Curve {
         words.extend(layout.word.map(|_| "word"));
         words
     }
+}
+
+const EACH: Over = Over::Each(Domain::Module);
+
+/// Where the turtle stands: motions are composed along links, from one half of the columns to the other and back.
+fn turtle_linked() -> Work {
+    let calls = vec![
+        Call::once(&["begin"], EACH),
+        Call { entries: &["away", "back"], over: EACH, rounds: Some(0) },
+        Call::once(&["turtle_linked"], EACH),
+    ];
+    Work::new(Pass::TurtleLinked, calls)
+}
+
+/// The links that contexts follow.
+fn link(branches: bool, ignoring: bool) -> Work {
+    let mut calls = vec![Call::once(&["start", "link"], EACH)];
+    if branches {
+        calls.push(Call::once(&["settle"], EACH));
+    }
+    if branches || ignoring {
+        calls.push(Call { entries: &["jump"], over: EACH, rounds: Some(1) });
+    }
+    Work::new(Pass::Link, calls)
+}
+
+/// What children hang on.
+fn hang(unhangs: bool) -> Work {
+    let mut calls = vec![Call::once(&["unhang"], EACH)];
+    if unhangs {
+        calls.push(Call { entries: &["rehang"], over: EACH, rounds: Some(1) });
+    }
+    Work::new(Pass::Hang, calls)
+}
+
+/// The same pass, which in linked words reads links after all else.
+fn reading_links(mut work: Work, linked: bool) -> Work {
+    work.bindings.extend(linked.then_some((Column::Links, false)));
+    work
 }
 
 impl Start for curve::Words {

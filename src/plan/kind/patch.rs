@@ -7,8 +7,9 @@ use crate::patch;
 use crate::plan::collect::{Collected, table_of, whole};
 use crate::plan::columns::Content;
 use crate::plan::layout::{self, Header, Layout};
-use crate::plan::program::Program;
+use crate::plan::program::{Call, Over, Program, Work};
 use crate::plan::start::Start;
+use crate::plan::step::Pass;
 use crate::plan::supported::Unsupported;
 use crate::plan::tables::{Becomes, Builder, Resolve, RulesOf, Stage, successor};
 use crate::plan::{Error, Plan, Settings};
@@ -70,7 +71,19 @@ impl WordKind for Patch {
     }
 
     fn program(&self, stage: &Stage, _: &Layout, _: bool) -> Program {
-        Program::of_nets(stage)
+        let measure = (stage.row.words > 0).then(|| Work::each(Pass::Measure));
+        let emit = Work::new(Pass::Emit, vec![Call::once(Pass::Emit.row().entries, Over::Children)]);
+        if stage.closed.is_some() {
+            return Program { writing: measure.into_iter().chain([emit]).collect(), ..Program::default() };
+        }
+        let compact = stage.may_retire().then(|| Work::scan(Pass::Compact));
+        let count = [Work::each(Pass::Match), Work::each(Pass::Count), Work::scan(Pass::Scan)];
+        Program {
+            joining: Vec::new(),
+            counting: measure.into_iter().chain(count).chain(compact).collect(),
+            writing: vec![emit],
+            retiring: stage.may_retire().then(|| Work::each(Pass::Retire)).into_iter().collect(),
+        }
     }
 
     fn first_symbols(&self, axiom: &system::Axiom) -> Vec<usize> {

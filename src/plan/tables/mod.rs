@@ -423,6 +423,16 @@ impl Tables {
         Ok(Tables { kind, layout, symbols, given: places.given, rule_sets, searches, ignored, turtle })
     }
 
+    /// Lays modules out otherwise, and makes the programs anew: for tests.
+    #[doc(hidden)]
+    pub fn lay_out(&mut self, layout: Layout) {
+        let ignoring = self.ignored.contains(&true);
+        self.layout = layout;
+        for stage in self.rule_sets.iter_mut().flat_map(|set| &mut set.stages) {
+            stage.program = self.kind.program(stage, &layout, ignoring);
+        }
+    }
+
     /// The most words of attributes that a stage measures of a module.
     pub fn most_measured(&self) -> usize {
         self.rule_sets.iter().flat_map(|s| &s.stages).map(|s| s.row.words).max().unwrap_or(0)
