@@ -67,7 +67,7 @@ pub struct Layout {
     pub link: Option<usize>,
     pub word: Option<usize>,
     /// Modules beside a chunk's own, on either side.
-    pub(crate) halo: usize,
+    halo: usize,
     /// The last module of a word is followed by the first.
     pub ring: bool,
     /// Degrees along u and v of nets, 1..=8 each, where modules have nets.
@@ -80,7 +80,7 @@ pub struct CurveHeader {
     pub paths: bool,
     pub links: bool,
     pub words: bool,
-    /// They have none of it, but the last is followed by the first.
+    /// Not held by a record: the last module of a word is followed by the first.
     pub ring: bool,
 }
 
@@ -121,6 +121,11 @@ impl Layout {
             ring: has.ring,
             net: None,
         }
+    }
+
+    /// Records of this size without nets or neighbours, such as those of vertices.
+    pub fn of_records(record_words: usize, header_words: usize) -> Layout {
+        Layout { record_words, header_words, net: None, ..Layout::new(0, [1, 1]) }
     }
 
     /// Whether a word is one chunk, since its modules name each other by their index.

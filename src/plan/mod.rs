@@ -31,7 +31,7 @@ pub mod turns;
 pub mod turtle;
 
 use crate::language::expr::Value;
-use crate::language::system::{Kind, System, Topology, UniformKind};
+use crate::language::system::{Kind, System, UniformKind};
 use crate::language::{Span, Type, eval};
 use std::sync::Arc;
 
@@ -148,7 +148,7 @@ impl Plan {
 
     /// Whether the last module of a curve is followed by the first.
     pub fn is_ring(&self) -> bool {
-        self.system.kind == Kind::Curve(Topology::Ring)
+        self.tables.layout.ring
     }
 
     /// Whether control points have weights.

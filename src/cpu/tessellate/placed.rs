@@ -188,11 +188,7 @@ impl Surface<'_> {
         let placement = &self.displacement.placement;
         let input = Input {
             records: &work.records,
-            layout: Layout {
-                record_words: RECORD_WORDS,
-                header_words: HEADER_WORDS,
-                ..Layout::new(0, self.patches.degree)
-            },
+            layout: Layout::of_records(RECORD_WORDS, HEADER_WORDS),
             offsets: &[],
             made: 0,
             window: &[],
