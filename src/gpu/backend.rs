@@ -14,7 +14,7 @@ use crate::plan::edges;
 use crate::plan::given::Given;
 use crate::plan::layout::{END, HALO, Layout};
 use crate::plan::program::{self, Length};
-use crate::plan::step::{Clock, Status};
+use crate::plan::step::{Clock, Column, Status};
 use crate::plan::turtle::MOTION_WORDS;
 use std::sync::Arc;
 
@@ -72,14 +72,6 @@ pub struct Gpu {
     pub(super) claimed: u32,
     /// Modules that the chunks before have become.
     pub(super) made: u32,
-}
-
-/// What a device calls a column.
-pub(super) fn label(column: Stored) -> &'static str {
-    match column {
-        Stored::Records => "burgeon records",
-        Stored::Nets => "burgeon nets",
-    }
 }
 
 /// Where the extents stand.
@@ -149,7 +141,8 @@ impl Gpu {
         let mut columns = [const { None }; Stored::COUNT];
         for column in layout.columns() {
             let bytes = layout.shape(column).chunk_bytes(len as u64);
-            columns[column as usize] = Some(self.pool.take(&self.engine, label(column), bytes)?);
+            columns[column as usize] =
+                Some(self.pool.take(&self.engine, kernels::label(Column::Before(column)), bytes)?);
         }
         Ok(GpuChunk { columns, len, halvings, before: 0, behind: len })
     }

@@ -2,6 +2,7 @@
 
 use super::{Engine, Error, buffers};
 use crate::codegen::{self, Shader};
+use crate::plan::columns::Stored;
 use crate::plan::derive::StageId;
 use crate::plan::program::{Over, Work};
 use crate::plan::step::{Column, Pass};
@@ -152,6 +153,29 @@ impl Kernel {
             pass.set_pipeline(pipeline);
             pass.dispatch_workgroups(*x, *y, 1);
         }
+    }
+}
+
+/// What a device calls the buffer of a column.
+pub fn label(column: Column) -> &'static str {
+    use Stored::{Nets, Records};
+    match column {
+        Column::Before(Records) | Column::After(Records) | Column::Finished(Records) => "burgeon records",
+        Column::Before(Nets) | Column::After(Nets) | Column::Finished(Nets) => "burgeon nets",
+        Column::Attributes => "burgeon attributes",
+        Column::Rules => "burgeon rules",
+        Column::Counts => "burgeon counts",
+        Column::Offsets => "burgeon offsets",
+        Column::Sums => "burgeon sums",
+        Column::Retired => "burgeon retired",
+        Column::RetiredSums => "burgeon retired sums",
+        Column::Links => "burgeon links",
+        Column::TileMotions => "burgeon motions of tiles",
+        Column::Motions => "burgeon motions",
+        Column::Carried => "burgeon turtle",
+        Column::Status => "burgeon status",
+        Column::Environment => "burgeon environment",
+        Column::Extent => "burgeon extents",
     }
 }
 

@@ -7,7 +7,7 @@
 use super::Error;
 use super::backend::{EXTENT_STRIDE, Gpu, GpuChunk, READ_BYTES, STATUS_BYTES};
 use super::buffers::{self, Pooled};
-use super::kernels::{self, Binding};
+use super::kernels::{self, Binding, label};
 use crate::plan::columns::{Content, Domain};
 use crate::plan::compare::Trace;
 use crate::plan::derive::{Backend, Outcome, StageId};
@@ -25,20 +25,9 @@ impl Columns {
     }
 }
 
-/// What a device calls a column of a sweep that comes from the pool; none of those that do not.
-pub(super) fn pooled(column: Column) -> Option<&'static str> {
-    Some(match column {
-        Column::Rules => "burgeon rules",
-        Column::Counts => "burgeon counts",
-        Column::Offsets => "burgeon offsets",
-        Column::Sums => "burgeon sums",
-        Column::Retired => "burgeon retired",
-        Column::RetiredSums => "burgeon retired sums",
-        Column::Links => "burgeon links",
-        Column::TileMotions => "burgeon motions of tiles",
-        Column::Motions => "burgeon motions",
-        _ => return None,
-    })
+/// Whether a column of a sweep is needed no more after it; else it outlives the sweep, and is the backend's.
+fn ends_with_its_sweep(column: Column) -> bool {
+    !matches!(column, Column::Attributes | Column::Status | Column::Carried)
 }
 
 /// Where modules go: a chunk, how many of it may be written, and how many there are to write.
@@ -99,13 +88,12 @@ impl Gpu {
             let Some(size) = program::size(column, stage, given) else { continue };
             let bytes = size.bytes(n, tile);
             if column == Column::Attributes && self.attributes.size() < bytes {
-                self.attributes = self.pool.take(&self.engine, "burgeon attributes", bytes)?.buffer;
+                self.attributes = self.pool.take(&self.engine, label(column), bytes)?.buffer;
                 self.write_given();
             }
-            if let Some(label) = pooled(column)
-                && columns.iter().all(|known: &(Column, _)| known.0 != column)
-            {
-                columns.push((column, self.pool.take(&self.engine, label, bytes)?));
+            let new = columns.iter().all(|known: &(Column, _)| known.0 != column);
+            if new && ends_with_its_sweep(column) {
+                columns.push((column, self.pool.take(&self.engine, label(column), bytes)?));
             }
         }
         Ok(Columns(columns))
@@ -159,7 +147,7 @@ impl Gpu {
             Column::Attributes => &self.attributes,
             Column::Status => &self.status,
             Column::Carried => &self.carried,
-            pooled => match columns.get(pooled) {
+            other => match columns.get(other) {
                 Some(buffer) => buffer,
                 None => return nothing,
             },

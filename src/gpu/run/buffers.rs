@@ -1,8 +1,7 @@
 //! The buffers of a run, and what its kernels are bound to.
 
-use super::super::backend::label;
 use super::super::buffers as making;
-use super::super::kernels::{Binding, Kernel, Kernels};
+use super::super::kernels::{Binding, Kernel, Kernels, label};
 use super::super::{Engine, Error};
 use super::starts::{StartGroups, Starts};
 use crate::plan::Plan;
@@ -79,25 +78,27 @@ impl Buffers {
             let mut stand: Stand = [const { None }; Stored::COUNT];
             for column in layout.columns() {
                 let bytes = layout.shape(column).chunk_bytes(n);
-                stand[column as usize] = Some(make(label(column), bytes, storage)?);
+                stand[column as usize] = Some(make(label(Column::Before(column)), bytes, storage)?);
             }
             Ok::<_, Error>(stand)
         };
         // What is given, and what is read between sweeps, those of closed growth among them.
         let given = (room.given as u64 * 4).max(16);
-        let mut sizes: HashMap<Column, u64> =
-            HashMap::from([(Column::Attributes, given), (Column::Offsets, 32), (Column::Status, 32)]);
+        let mut sizes = vec![(Column::Attributes, given), (Column::Offsets, 32), (Column::Status, 32)];
         for stage in plan.stages().into_iter().map(|id| id.of(plan)) {
             let written = stage.program.recorded().flat_map(|work| &work.bindings).filter(|bound| bound.1);
             for &(column, _) in written {
                 let Some(size) = program::size(column, stage, room.given) else { continue };
-                let bytes = sizes.entry(column).or_default();
-                *bytes = size.bytes(n, tile).max(*bytes);
+                let bytes = size.bytes(n, tile);
+                match sizes.iter_mut().find(|known| known.0 == column) {
+                    Some((_, most)) => *most = bytes.max(*most),
+                    None => sizes.push((column, bytes)),
+                }
             }
         }
         let mut columns = HashMap::new();
         for (column, bytes) in sizes {
-            columns.insert(column, make(of_run(column), bytes, storage)?);
+            columns.insert(column, make(label(column), bytes, storage)?);
         }
         Ok(Buffers {
             places: [axiom, stand()?, stand()?],
@@ -132,16 +133,6 @@ impl Buffers {
             other => self.column(other),
         })
     }
-}
-
-/// What a device calls a column of a run.
-fn of_run(column: Column) -> &'static str {
-    super::super::sweep::pooled(column).unwrap_or(match column {
-        Column::Attributes => "burgeon attributes",
-        Column::Status => "burgeon status",
-        Column::Carried => "burgeon turtle",
-        _ => "burgeon column",
-    })
 }
 
 /// What the kernels are bound to.
