@@ -1,7 +1,7 @@
 //! A stage as a program: which passes run over a chunk, with which entry points and columns, over how many elements.
 //!
-//! It is built once, from the tables, by the kind of the system (`src/plan/kind`). The CPU backend, the GPU backend that waits and the derivation that is recorded loop
-//! over this one list; none of them knows what kind of word it rewrites.
+//! It is built once, from the tables, by the kind of the system (`src/plan/kind`). The CPU backend, the GPU backend that
+//! waits and the derivation that is recorded loop over this one list; none of them knows what kind of word it rewrites.
 
 use super::columns::Domain;
 use super::step::{Column, Pass};
