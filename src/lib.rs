@@ -108,7 +108,7 @@
 //!   the [names](language::names) that the engine knows, and all [codes](language::codes) of errors.
 //! - [`plan::Options`]: params, memory, progress, stopping. Params are set by name, without compiling anew;
 //!   [`System::params`](language::System::params) lists them with types, defaults and ranges.
-//! - [`patch`]: nets, words, evaluation of points and normals.
+//! - [`patch`]: nets, words, evaluation of points and normals; [`word`]: the parameters of a word's modules, in columns.
 //! - [`tessellate`]: leaves to triangles, as grids or as one watertight mesh within a tolerance; on the CPU by
 //!   [`cpu::tessellate`], on a device, frame by frame or once, by `gpu::tessellate`.
 //! - `gpu::tessellate` (with the feature `gpu`): patches to watertight triangles, each frame anew, in a
@@ -171,6 +171,7 @@ pub mod plan;
 #[cfg(feature = "gpu")]
 pub mod render;
 pub mod tessellate;
+pub mod word;
 
 #[cfg(feature = "gpu")]
 pub use wgpu;

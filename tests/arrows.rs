@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 /// Each part, and the parts it may name.
 const ARROWS: &[(&str, &[&str])] = &[
     ("language", &[]),
-    ("patch", &["language"]),
-    ("curve", &["language", "patch"]),
-    ("io", &["patch", "curve", "tessellate", "language"]),
-    ("plan", &["language", "patch", "curve"]),
+    ("word", &["language"]),
+    ("patch", &["language", "word"]),
+    ("curve", &["language", "word"]),
+    ("io", &["patch", "curve", "word", "tessellate", "language"]),
+    ("plan", &["language", "word", "patch", "curve"]),
     ("affine", &["language", "curve", "plan"]),
     ("tessellate", &["language", "patch"]),
     ("cpu", &["language", "patch", "curve", "plan", "affine", "tessellate"]),

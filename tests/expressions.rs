@@ -302,7 +302,7 @@ fn random_expressions_are_near_the_oracle() {
             };
             let nodes = bound::evaluate(&code.graph, &module);
             let mut known = code.args[0].iter().map(|a| nodes[a.0]);
-            for (field, (value, truth)) in word.modules[n].params.iter().zip(&truth[n]).enumerate() {
+            for (field, (value, truth)) in word.params(n).iter().zip(&truth[n]).enumerate() {
                 let truths: Vec<f64> = match truth {
                     OracleValue::Vector(v) => v.clone(),
                     OracleValue::Bool(b) => vec![f64::from(*b)],
@@ -311,7 +311,7 @@ fn random_expressions_are_near_the_oracle() {
                 };
                 for (own, truth) in value.words().into_iter().zip(truths) {
                     let known = known.next().expect("a word");
-                    let right = match (value, known) {
+                    let right = match (&value, known) {
                         // WGSL leaves open what NaN compares as, and what lies beyond f32 is what its
                         // overflow makes of it.
                         _ if truth.is_nan() || truth.abs() > 1e36 => continue,
@@ -367,8 +367,8 @@ fn an_edit_in_one_branch_rolls_that_branch_alone() {
     let of_a = |text: &str| {
         let (plan, axiom) = job(text);
         let word = word(&axiom, 7, &mut Cpu::new(&plan, 1).expect("threads"));
-        let a = word.modules.into_iter().filter(|m| m.symbol == 1);
-        a.map(|m| (m.key, m.params)).collect::<Vec<_>>()
+        let a = word.modules.iter().filter(|m| m.symbol == 1);
+        a.map(|m| (m.key, word.params.row(1, m.row).to_vec())).collect::<Vec<_>>()
     };
     assert_eq!(of_a(text), of_a(&edited));
     assert_eq!(of_a(text).len(), 8);

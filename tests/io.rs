@@ -11,7 +11,8 @@ mod svg;
 use burgeon::io::{Element, ParseError, Problem, WriteError, bpt, write_atomically};
 use burgeon::language::system::Field;
 use burgeon::language::{Type, Value};
-use burgeon::patch::{Bounds, Cell, Module, Net, Symbol, Word, WordError};
+use burgeon::patch::{Bounds, Cell, Module, Net, Word, WordError};
+use burgeon::word::{Params, Symbol};
 use proptest::prelude::*;
 use std::fs;
 use std::io::Write;
@@ -316,14 +317,17 @@ fn word() -> impl Strategy<Value = Word> {
         (nets, modules).prop_map(move |(nets, mut modules)| {
             modules.sort_by_key(|&(_, root, ..)| root);
             let mut keys = [0; 3];
-            let modules = modules.into_iter().map(|(params, root, du, dv, i, j)| {
+            let symbols = symbols();
+            let mut params = Params::new(&symbols);
+            let modules = modules.into_iter().map(|(values, root, du, dv, i, j)| {
                 let key = keys[root as usize];
                 keys[root as usize] += 1;
                 let cell = Cell { du, dv, i: i % (1 << du), j: j % (1 << dv) };
-                Module { symbol: 1, params, root, key, cell }
+                let row = params.push(1, &values).expect("as declared");
+                Module { symbol: 1, row, root, key, cell }
             });
             let (system, modules) = ("s \"\\\n\u{1F33F}".into(), modules.collect());
-            Word { system, steps: 7, symbols: symbols(), degree: [m, n], rational, modules, nets }
+            Word { system, steps: 7, symbols, degree: [m, n], rational, modules, params, nets }
         })
     })
 }
@@ -382,7 +386,7 @@ fn words_are_validated() {
         (|w| w.degree = [0, 3], "the degrees [0, 3]"),
         (|w| _ = w.nets.pop(), "511 points where its 32 modules ask for 512"),
         (|w| w.modules[5].symbol = 1, "module 5 has the symbol 1"),
-        (|w| w.modules[5].params.push(Value::Int(1)), "module 5 (P) has 1 parameters"),
+        (|w| w.modules[5].row = 32, "module 5 (P) has row 32 of the parameters of P, which has 32 rows"),
         (|w| w.modules[5].cell = Cell { du: 1, dv: 1, i: 2, j: 0 }, "outside its root"),
         (|w| w.modules[5].cell = Cell { du: 32, dv: 31, i: 0, j: 0 }, "outside its root"),
         (|w| w.modules.swap(5, 6), "module 6 does not follow"),
@@ -410,8 +414,14 @@ fn words_are_validated() {
 fn parameters_of_the_wrong_type_are_found() {
     let nets = bpt::parse(SQUARE.as_bytes(), false).expect("the square");
     let mut word = Word::from_nets("s", "P", &nets).expect("a word");
-    word.symbols[0].fields = vec![Field { name: "depth".into(), ty: Type::Int }];
-    word.modules[0].params = vec![Value::Float(1.0)];
+    let field = |ty| vec![Field { name: "depth".into(), ty }];
+    word.symbols[0].fields = field(Type::Float);
+    let error = word.validate().expect_err("none").to_string();
+    assert_eq!(error, "module 0 (P) has 0 parameters where P declares 1");
+    word.params = Params::new(&word.symbols);
+    let float = [Value::Float(1.0)];
+    assert_eq!(word.params.push(0, &float), Ok(0));
+    word.symbols[0].fields = field(Type::Int);
     let error = word.validate().expect_err("a float").to_string();
     assert_eq!(error, "parameter depth of module 0 (P) is of type float, declared as int");
 }
@@ -504,13 +514,22 @@ mod json_words {
         String::from_utf8(text).expect("text")
     }
 
+    /// Every module of the word, which has one symbol, has these.
+    fn set_params(word: &mut Word, values: &[Value]) {
+        let field = |(n, value): (usize, &Value)| Field { name: format!("p{n}"), ty: value.ty() };
+        word.symbols[0].fields = values.iter().enumerate().map(field).collect();
+        word.params = Params::new(&word.symbols);
+        for module in &mut word.modules {
+            module.row = word.params.push(0, values).expect("as declared");
+        }
+    }
+
     #[test]
     fn as_documented() {
         let nets = [Net { degree: [1, 1], points: vec![[0.1, -0.0, 1e-7, 1.0]; 4] }];
         let mut word = Word::from_nets("sierpinski", "A", &nets).expect("a word");
         word.steps = 3;
-        word.symbols[0].fields = vec![Field { name: "n".into(), ty: Type::Int }];
-        word.modules[0].params = vec![Value::Int(3)];
+        set_params(&mut word, &[Value::Int(3)]);
         word.modules[0].cell = Cell { du: 2, dv: 2, i: 1, j: 3 };
         let point = "[0.1,-0.0,1e-7,1.0]";
         let expected = format!(
@@ -536,7 +555,7 @@ mod json_words {
         word.nets[6][2] = f32::NAN;
         let error = json::write(&mut Vec::new(), &word).expect_err("NaN").to_string();
         assert_eq!(error, "point 2 of module 1 (P) holds NaN, which is not a finite number");
-        word.modules[0].params = vec![Value::Int(1), Value::Vec2([0.0, f32::INFINITY])];
+        set_params(&mut word, &[Value::Int(1), Value::Vec2([0.0, f32::INFINITY])]);
         let error = json::write(&mut Vec::new(), &word).expect_err("infinity").to_string();
         assert_eq!(error, "parameter 1 of module 0 (P) holds inf, which is not a finite number");
     }
@@ -582,11 +601,11 @@ mod json_words {
             prop_assert_eq!(bits(&read.nets), bits(&word.nets));
             prop_assert_eq!(&read.system, &word.system);
             prop_assert_eq!((read.steps, read.rational), (word.steps, word.rational));
-            for (a, b) in read.modules.iter().zip(&word.modules) {
+            for (n, (a, b)) in read.modules.iter().zip(&word.modules).enumerate() {
                 prop_assert_eq!(&read.symbols[a.symbol].name, &word.symbols[b.symbol].name);
                 prop_assert_eq!((a.root, a.key, a.cell), (b.root, b.key, b.cell));
-                let words = |m: &Module| m.params.iter().map(|p| (p.ty(), p.words())).collect::<Vec<_>>();
-                prop_assert_eq!(words(a), words(b));
+                let words = |w: &Word| w.params(n).iter().map(|p| (p.ty(), p.words())).collect::<Vec<_>>();
+                prop_assert_eq!(words(&read), words(&word));
             }
         }
 

@@ -57,15 +57,15 @@ pub fn seen_by_oracle(word: &oracle::Word) -> Vec<Seen> {
 /// How an engine's words are seen.
 pub fn seen_by_engine(word: &burgeon::patch::Word) -> Vec<Seen> {
     use burgeon::language::Value;
-    let param = |value: &Value| match *value {
+    let param = |value: Value| match value {
         Value::Int(i) => Param::Int(i),
         Value::Bool(b) => Param::Bool(b),
         Value::Float(x) => Param::Float(x as f64),
-        ref other => panic!("{other:?}"),
+        other => panic!("{other:?}"),
     };
     let seen = |(index, m): (usize, &burgeon::patch::Module)| Seen {
         symbol: word.symbols[m.symbol].name.clone(),
-        params: m.params.iter().map(param).collect(),
+        params: word.params(index).iter().map(param).collect(),
         root: m.root as usize,
         cell: oracle::Cell {
             du: m.cell.du as u32,

@@ -111,7 +111,7 @@ fn sizes_on_the_screen_are_those_of_a_pinhole_camera() {
     let job = Job::new(SCREEN, &roots, Vec::new());
     let options = Options { view: Some(view), ..job.options(None, None) };
     let check = |name: &str, word: &Word| {
-        let of = |n: usize| match word.modules[n].params[..] {
+        let of = |n: usize| match word.params(n).to_vec()[..] {
             [Value::Float(side), Value::Float(area)] => [side, area],
             ref other => panic!("{other:?}"),
         };
@@ -181,13 +181,13 @@ fn every_descendant_inherits_what_is_bound_to_its_root() {
     bound(&mut options, "Open", Values::Roots([false, false, true].map(Value::Bool).to_vec()));
     let check = |name: &str, word: &Word| {
         assert_eq!(word.modules.len(), 12, "{name}");
-        for m in &word.modules {
-            let n = m.root as usize;
+        for (index, m) in word.modules.iter().enumerate() {
+            let (n, params) = (m.root as usize, word.params(index).to_vec());
             let own =
                 [Value::Float(heat[n]), Value::Vec2(ways[n]), Value::Int([7, -8, 9][n]), Value::Bool(n == 2)];
             match n {
-                0 => assert_eq!(m.params, [Value::Int(2)], "{name}"),
-                _ => assert_eq!(m.params, own, "{name}, root {n}"),
+                0 => assert_eq!(params, [Value::Int(2)], "{name}"),
+                _ => assert_eq!(params, own, "{name}, root {n}"),
             }
         }
     };
@@ -241,9 +241,10 @@ fn a_grid_is_linear_between_its_points_and_constant_beyond() {
     bound(&mut options, "Kind", Values::Grid(grid([3, 2, 1], from, to, |p| Value::Int(kind(p)))));
     let check = |name: &str, word: &Word| {
         assert_eq!(word.modules.len(), 32);
-        for m in &word.modules {
-            let [Value::Vec3(p), Value::Float(heat), Value::Vec3(wind), Value::Int(k)] = m.params[..] else {
-                panic!("{:?}", m.params)
+        for index in 0..word.modules.len() {
+            let params = word.params(index).to_vec();
+            let [Value::Vec3(p), Value::Float(heat), Value::Vec3(wind), Value::Int(k)] = params[..] else {
+                panic!("{params:?}")
             };
             let inside = |p: [f32; 3]| -> [f32; 3] { std::array::from_fn(|a| p[a].clamp(from[a], to[a])) };
             let expected = field(inside(p));
@@ -336,7 +337,7 @@ run:
 fn own_flatness(roots: &[oracle::Net]) -> f32 {
     let text = "system s : patch bezier 3\nmodule P(f: float)\naxiom: P(0.0) = file \"n.bpt\"\nrules:\n  P(_) -> P(flatness)\n";
     let job = Job::new(text, roots, Vec::new());
-    match job.word(&mut job.cpu(1), None, None).modules[0].params[..] {
+    match job.word(&mut job.cpu(1), None, None).params(0).to_vec()[..] {
         [Value::Float(f)] => f,
         ref other => panic!("{other:?}"),
     }
@@ -378,7 +379,7 @@ proptest! {
             axiom: P(0.0, 0.0, 0.0, 0.0) = file \"n.bpt\"\nrules:\n  P(_, _, _, _) -> P(flatness, bend_u, bend_v, area)\n";
         let measured = |net: oracle::Net| {
             let job = Job::new(text, &[net], Vec::new());
-            job.word(&mut job.cpu(1), None, None).modules[0].params.clone()
+            job.word(&mut job.cpu(1), None, None).params(0).to_vec()
         };
         let net = lattice([3, 3], salt);
         let moved = net.points.iter().map(|p| [p[0] + x as f64, p[1] + y as f64, p[2] + z as f64, 1.0]);

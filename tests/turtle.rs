@@ -80,13 +80,13 @@ impl Run {
 
     fn seen(&self, word: &Word) -> Seen {
         let paths = self.plan.tables.layout.paths;
-        let module = |m: &burgeon::curve::Module| SeenModule {
+        let module = |(n, m): (usize, &burgeon::curve::Module)| SeenModule {
             symbol: word.symbols[m.symbol].name.clone(),
-            params: m.params.iter().map(param).collect(),
+            params: word.params(n).iter().map(|value| param(&value)).collect(),
             link: None,
             path: paths.then_some([(m.path >> 32) as u32, m.path as u32]),
         };
-        Seen { modules: word.modules.iter().map(module).collect() }
+        Seen { modules: word.modules.iter().enumerate().map(module).collect() }
     }
 
     /// The words after every step, as the oracle's checks want them.

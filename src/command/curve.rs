@@ -72,7 +72,7 @@ pub fn run(flags: &flags::Run, loaded: Loaded, start: Instant) -> Result<(), Fai
 
 /// There are modules, and none of them stands anywhere.
 fn has_no_point(word: &Word) -> bool {
-    !word.modules.is_empty() && word.modules.iter().all(|module| module.position().is_none())
+    !word.modules.is_empty() && word.positions().all(|position| position.is_none())
 }
 
 /// Whether the run has a `trace`, or a module that holds a point: then what is drawn was not forgotten.

@@ -8,9 +8,8 @@ pub use axiom::{Axiom, AxiomError, Part, Root};
 pub use polyline::{Note, Polyline, coordinates, notes};
 pub use words::{Start, Words};
 
-use crate::language::expr::Value;
 use crate::language::system::Topology;
-use crate::patch::Symbol;
+use crate::word::{Column, Params, Row, Symbol};
 
 /// A word of modules in order, with their parameters.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,14 +21,17 @@ pub struct Word {
     pub topology: Topology,
     pub symbols: Vec<Symbol>,
     pub modules: Vec<Module>,
+    /// Those of all modules, in columns.
+    pub params: Params,
 }
 
 /// A module of a curve.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Module {
     /// Index into [`Word::symbols`].
     pub symbol: usize,
-    pub params: Vec<Value>,
+    /// Its row in the table of its symbol: see [`Word::params`].
+    pub row: u32,
     /// Its place in the derivation tree, hashed; 0 where the system draws no random numbers.
     pub path: u64,
     /// The module before it on its axis or, if it begins a branch, the one that it branches off: an index into
@@ -40,20 +42,30 @@ pub struct Module {
 }
 
 impl Word {
-    /// The positions of the modules that have one, in order: see [`Module::position`].
-    pub fn points(&self) -> Vec<[f32; 3]> {
-        self.modules.iter().filter_map(Module::position).collect()
+    /// The parameters of module `index`.
+    pub fn params(&self, index: usize) -> Row<'_> {
+        let module = &self.modules[index];
+        self.params.row(module.symbol, module.row)
     }
-}
 
-impl Module {
-    /// Its first vector, missing coordinates 0.
-    pub fn position(&self) -> Option<[f32; 3]> {
-        self.params.iter().find_map(|value| match *value {
-            Value::Vec2([x, y]) => Some([x, y, 0.0]),
-            Value::Vec3(p) => Some(p),
-            Value::Vec4([x, y, z, _]) => Some([x, y, z]),
-            _ => None,
+    /// The positions of the modules that have one, in order.
+    pub fn points(&self) -> Vec<[f32; 3]> {
+        self.positions().flatten().collect()
+    }
+
+    /// The position of each module: its first vector, missing coordinates 0.
+    pub fn positions(&self) -> impl Iterator<Item = Option<[f32; 3]>> {
+        let is_vector = |c: &&Column| matches!(c, Column::Vec2(_) | Column::Vec3(_) | Column::Vec4(_));
+        let columns = 0..self.symbols.len();
+        let columns: Vec<_> = columns.map(|s| self.params.columns(s).iter().find(is_vector)).collect();
+        self.modules.iter().map(move |module| {
+            let row = module.row as usize;
+            match columns.get(module.symbol)?.as_ref()? {
+                Column::Vec2(all) => all.get(row).map(|&[x, y]| [x, y, 0.0]),
+                Column::Vec3(all) => all.get(row).copied(),
+                Column::Vec4(all) => all.get(row).map(|&[x, y, z, _]| [x, y, z]),
+                _ => None,
+            }
         })
     }
 }

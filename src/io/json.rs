@@ -16,6 +16,7 @@ use super::write::WriteError;
 use crate::language::Value;
 use crate::language::system::Field;
 use crate::patch::{Cell, Module, Net, Symbol, Word, WordError, net_points};
+use crate::word::Params;
 use serde::ser::{Serialize, Serializer};
 use serde::{Deserialize, Serialize as DeriveSerialize};
 use std::collections::BTreeMap;
@@ -107,7 +108,8 @@ fn write_module(
         return Err(WriteError::Unsupported(format!("module {index} has no symbol")));
     };
     let points = word.net(index);
-    for (parameter, value) in module.params.iter().enumerate() {
+    let params = word.params(index).to_vec();
+    for (parameter, value) in params.iter().enumerate() {
         if let Some(value) = floats(value).into_iter().find(|x| !x.is_finite()) {
             let element = format_args!("parameter {parameter} of module {index} ({})", symbol.name);
             return Err(WriteError::not_finite(element, value));
@@ -122,7 +124,7 @@ fn write_module(
     let Cell { du, dv, i, j } = module.cell;
     let written = Written {
         symbol: &symbol.name,
-        params: module.params.iter().map(Parameter).collect(),
+        params: params.iter().map(Parameter).collect(),
         root: module.root,
         cell: [du.into(), dv.into(), i, j],
         net: WrittenNet { degree: word.degree, points: Points(points) },
@@ -236,6 +238,7 @@ pub fn parse(text: &[u8]) -> Result<Word, WordReadError> {
         degree,
         rational: file.rational,
         modules: Vec::with_capacity(file.modules.len()),
+        params: Params::default(),
         nets: Vec::new(),
     };
     let mut symbols = BTreeMap::new();
@@ -245,7 +248,9 @@ pub fn parse(text: &[u8]) -> Result<Word, WordReadError> {
         word.nets.extend_from_slice(&module.net.points);
         let params = parameters(index, &module.params)?;
         let symbol = *symbols.entry(module.symbol).or_insert_with_key(|name| {
-            word.symbols.push(symbol(name, &params));
+            let symbol = symbol(name, &params);
+            word.params.add_symbol(&symbol.fields);
+            word.symbols.push(symbol);
             word.symbols.len() - 1
         });
         let next_key = keys.entry(module.root).or_insert(0u64);
@@ -253,7 +258,9 @@ pub fn parse(text: &[u8]) -> Result<Word, WordReadError> {
         *next_key += 1;
         let (du, dv, i, j) = module.cell;
         let cell = Cell { du, dv, i, j };
-        word.modules.push(Module { symbol, params, root: module.root, key, cell });
+        let row = word.params.push(symbol, &params);
+        let row = row.map_err(|e| WordError::of_params(index, &word.symbols[symbol], e))?;
+        word.modules.push(Module { symbol, row, root: module.root, key, cell });
     }
     word.validate()?;
     Ok(word)

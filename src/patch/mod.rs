@@ -18,7 +18,8 @@ pub use evaluate::{NetRef, Parameter, Sample};
 pub use validate::{NetError, WordError};
 pub use values::{Grid, Values};
 
-use crate::language::Value;
+pub use crate::word::Symbol;
+use crate::word::{Params, Row};
 
 /// The highest degree of a net along u or v; the lowest is 1.
 pub const MAX_DEGREE: u8 = 8;
@@ -110,19 +111,13 @@ impl Bounds {
     }
 }
 
-/// A symbol with the names and types of its parameters.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Symbol {
-    pub name: String,
-    pub fields: Vec<crate::language::system::Field>,
-}
-
 /// One module of a word of patches, without its net.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Module {
     /// Index into [`Word::symbols`].
     pub symbol: usize,
-    pub params: Vec<Value>,
+    /// Its row in the table of its symbol: see [`Word::params`].
+    pub row: u32,
     /// Index of its root in the axiom.
     pub root: u32,
     /// The children taken since the root, two bits for a 2×2 block, one for 1×2 and 2×1,
@@ -141,6 +136,8 @@ pub struct Word {
     pub degree: [u8; 2],
     pub rational: bool,
     pub modules: Vec<Module>,
+    /// Those of all modules, in columns.
+    pub params: Params,
     /// One after the other, `(degree[0] + 1)(degree[1] + 1)` points a module, row by row.
     pub nets: Vec<[f32; 4]>,
 }
@@ -161,24 +158,34 @@ impl Word {
             return Err(WordError::Points { module: net, found, expected });
         }
         let points: Vec<[f32; 4]> = nets.iter().flat_map(|net| net.points.iter().copied()).collect();
+        let symbols = vec![Symbol { name: symbol.into(), fields: Vec::new() }];
+        let mut params = Params::new(&symbols);
         let root = |index: usize| Module {
             symbol: 0,
-            params: Vec::new(),
+            row: params.push_record(0, &[], &[]),
             root: index as u32,
             key: 0,
             cell: Cell::default(),
         };
+        let modules = (0..nets.len()).map(root).collect();
         let word = Word {
             system: system.into(),
             steps: 0,
-            symbols: vec![Symbol { name: symbol.into(), fields: Vec::new() }],
+            symbols,
             degree,
             rational: points.iter().any(|point| point[3] != 1.0),
-            modules: (0..nets.len()).map(root).collect(),
+            modules,
+            params,
             nets: points,
         };
         word.validate()?;
         Ok(word)
+    }
+
+    /// The parameters of module `index`.
+    pub fn params(&self, index: usize) -> Row<'_> {
+        let module = &self.modules[index];
+        self.params.row(module.symbol, module.row)
     }
 
     /// Points a net.

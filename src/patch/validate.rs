@@ -2,6 +2,7 @@
 
 use super::{Cell, MAX_DEGREE, Module, Net, Word, net_points};
 use crate::language::expr::Type;
+use crate::word::{Column, ParamsError, Symbol};
 use thiserror::Error;
 
 /// What is wrong with a word, naming the module.
@@ -21,6 +22,8 @@ pub enum WordError {
     Arity { module: usize, symbol: String, found: usize, expected: usize },
     #[error("parameter {field} of module {module} ({symbol}) is of type {found}, declared as {expected}")]
     Parameter { module: usize, symbol: String, field: String, found: Type, expected: Type },
+    #[error("module {module} ({symbol}) has row {row} of the parameters of {symbol}, which has {rows} rows")]
+    Row { module: usize, symbol: String, row: u32, rows: u32 },
     #[error("module {module} lies in the cell {cell:?}, which is outside its root")]
     Cell { module: usize, cell: Cell },
     #[error("module {module} does not follow the one before it in the order of the derivation tree")]
@@ -95,6 +98,23 @@ impl Net {
     }
 }
 
+impl WordError {
+    /// What is wrong with the parameters of a module of this symbol.
+    pub(crate) fn of_params(module: usize, symbol: &Symbol, e: ParamsError) -> WordError {
+        let name = symbol.name.clone();
+        match e {
+            ParamsError::Symbol { symbol, symbols } => WordError::Symbol { module, symbol, symbols },
+            ParamsError::Arity { found, expected } => {
+                WordError::Arity { module, symbol: name, found, expected }
+            }
+            ParamsError::Type { field, found, expected } => {
+                let field = symbol.fields[field].name.clone();
+                WordError::Parameter { module, symbol: name, field, found, expected }
+            }
+        }
+    }
+}
+
 impl Word {
     /// Checks every invariant of the word: degrees in 1..=8, one net and known symbol a module,
     /// parameters of the declared types, cells inside their roots (du + dv ≤ 62), modules in the
@@ -128,20 +148,24 @@ impl Word {
             let (symbol, symbols) = (module.symbol, self.symbols.len());
             return Err(WordError::Symbol { module: index, symbol, symbols });
         };
-        let (found, expected) = (module.params.len(), symbol.fields.len());
+        let of_params = |e| WordError::of_params(index, symbol, e);
+        let columns = self.params.columns(module.symbol);
+        let (found, expected) = (columns.len(), symbol.fields.len());
         if found != expected {
-            return Err(WordError::Arity { module: index, symbol: symbol.name.clone(), found, expected });
+            return Err(of_params(ParamsError::Arity { found, expected }));
         }
-        let wrong = symbol.fields.iter().zip(&module.params).find(|(field, value)| field.ty != value.ty());
-        match wrong {
-            Some((field, value)) => Err(WordError::Parameter {
-                module: index,
-                symbol: symbol.name.clone(),
-                field: field.name.clone(),
-                found: value.ty(),
-                expected: field.ty.clone(),
-            }),
-            None => Ok(()),
+        let declared = columns.iter().map(Column::ty).zip(&symbol.fields);
+        if let Some((field, (found, declared))) = declared.enumerate().find(|(_, (ty, f))| *ty != f.ty) {
+            let expected = declared.ty.clone();
+            return Err(of_params(ParamsError::Type { field, found, expected }));
+        }
+        let lengths = columns.iter().map(|column| column.len() as u32);
+        let rows = lengths.fold(self.params.rows(module.symbol), u32::min);
+        match module.row < rows {
+            true => Ok(()),
+            false => {
+                Err(WordError::Row { module: index, symbol: symbol.name.clone(), row: module.row, rows })
+            }
         }
     }
 

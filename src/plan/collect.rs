@@ -2,8 +2,8 @@
 
 use super::columns::Content;
 use super::derive::{Backend, Derivation};
-use super::tables::Symbol;
 use super::{Error, Plan};
+use crate::word::Symbol;
 use std::sync::Arc;
 
 /// A word, or several, as a derivation is read back.
@@ -41,9 +41,16 @@ pub(super) fn whole(chunks: Vec<Content>) -> Content {
     content
 }
 
-/// The symbol of a module of the word.
-pub(super) fn table_of(plan: &Plan, symbol: usize, module: usize) -> Result<&Symbol, Error> {
-    plan.tables.symbols.get(symbol).ok_or_else(|| {
+/// The symbols that a word may hold.
+pub(super) fn symbols(plan: &Plan) -> Vec<Symbol> {
+    let visible = plan.tables.symbols.iter().filter(|s| !s.hidden);
+    visible.map(|s| Symbol { name: s.name.clone(), fields: s.fields.clone() }).collect()
+}
+
+/// Where the record of a module of this symbol holds its parameters.
+pub(super) fn words_of(plan: &Plan, symbol: usize, module: usize) -> Result<&[usize], Error> {
+    let table = plan.tables.symbols.get(symbol).filter(|s| !s.hidden);
+    table.map(|table| &table.words[..]).ok_or_else(|| {
         Error::Value(format!("module {module} of the word has no symbol: the device is not right"))
     })
 }

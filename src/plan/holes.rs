@@ -26,10 +26,13 @@ pub fn kept(system: &System) -> (System, usize) {
 pub fn dropped(word: &Word, hole: usize) -> Word {
     let left = |n: &usize| word.modules[*n].symbol != hole;
     let there: Vec<usize> = (0..word.modules.len()).filter(left).collect();
+    let mut params = word.params.clone();
+    params.truncate(hole);
     Word {
         system: word.system.clone(),
         symbols: word.symbols.iter().take(hole).cloned().collect(),
-        modules: there.iter().map(|&n| word.modules[n].clone()).collect(),
+        modules: there.iter().map(|&n| word.modules[n]).collect(),
+        params,
         nets: there.iter().flat_map(|&n| word.net(n)).copied().collect(),
         ..*word
     }

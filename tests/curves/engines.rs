@@ -75,13 +75,13 @@ impl Prepared {
     fn seen(&self, word: &Word) -> Seen {
         let paths = self.plan.tables.layout.paths;
         let ring = word.topology == Topology::Ring;
-        let module = |m: &burgeon::curve::Module| SeenModule {
+        let module = |(n, m): (usize, &burgeon::curve::Module)| SeenModule {
             symbol: word.symbols[m.symbol].name.clone(),
-            params: m.params.iter().map(to_param).collect(),
+            params: word.params(n).iter().map(|value| to_param(&value)).collect(),
             link: (!ring).then_some(Link { parent: m.parent, lateral: m.lateral }),
             path: paths.then_some([(m.path >> 32) as u32, m.path as u32]),
         };
-        Seen { modules: word.modules.iter().map(module).collect() }
+        Seen { modules: word.modules.iter().enumerate().map(module).collect() }
     }
 
     /// The axiom and the word after every step.

@@ -232,12 +232,9 @@ fn regular_polygons_become_circles() {
 #[test]
 fn sharpness_runs_out() {
     let words: Vec<Word> = (0..=3).map(|k| Example { steps: Some(k), ..example("crease") }.word()).collect();
-    let corner = |level: usize, root: usize| {
-        let module = &words[level].modules[root << level];
-        match module.params.as_slice() {
-            [Value::Vec2(v), Value::Float(s)] => (*v, *s),
-            other => panic!("{other:?}"),
-        }
+    let corner = |level: usize, root: usize| match words[level].params(root << level).to_vec()[..] {
+        [Value::Vec2(v), Value::Float(s)] => (v, s),
+        ref other => panic!("{other:?}"),
     };
     let ([a, sharp], axiom) = ([1, 2].map(|root| corner(0, root).0), corner(0, 3).0);
     assert_eq!(corner(1, 1), (a, 0.0));

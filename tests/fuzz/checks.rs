@@ -4,12 +4,13 @@ use burgeon::codegen::{self, Tuning};
 use burgeon::io::Noted;
 use burgeon::language::expr::Type;
 use burgeon::language::print::print;
-use burgeon::language::system::Topology;
+use burgeon::language::system::{Field, Topology};
 use burgeon::language::vocabulary::Vocabulary;
 use burgeon::language::{Span, System, Value, compile, diagnostic, parse};
 use burgeon::patch::{self, Axiom, Net, Word};
 use burgeon::plan::derive::StageId;
 use burgeon::plan::{Options, Plan};
+use burgeon::word::{Params, Symbol};
 use burgeon::{cpu, curve, io};
 
 fn assert_inside(span: Span, text: &str) {
@@ -135,19 +136,24 @@ pub fn check_curves(bytes: &[u8]) -> u64 {
             let curve = curve.points;
             assert!(curve.iter().flatten().all(|x| x.is_finite()), "{curve:?}");
             let points = curve.iter().map(|&[x, y, z, _]| Value::Vec3([x, y, z]));
+            let field = Field { name: "v".to_string(), ty: Type::Vec3 };
+            let symbols = vec![Symbol { name: "P".to_string(), fields: vec![field] }];
+            let mut params = Params::new(&symbols);
             let module = |point| curve::Module {
                 symbol: 0,
-                params: vec![point],
+                row: params.push(0, &[point]).expect("a point"),
                 path: 0,
                 parent: None,
                 lateral: false,
             };
+            let modules = points.map(module).collect();
             let word = curve::Word {
                 system: "s".to_string(),
                 steps: 0,
                 topology: Topology::Ring,
-                symbols: vec![patch::Symbol { name: "P".to_string(), fields: Vec::new() }],
-                modules: points.map(module).collect(),
+                symbols,
+                modules,
+                params,
             };
             let picture = io::curves::Picture::of(&[&word], &Default::default()).expect("finite points");
             io::curves::raster::draw(&picture, 40);

@@ -6,8 +6,8 @@ use burgeon::io::curves::{self, Line, Panel, Picture, Polyline, Style, csv, rast
 use burgeon::io::obj;
 use burgeon::language::system::{Field, Topology};
 use burgeon::language::{Type, Value};
-use burgeon::patch::Symbol;
 use burgeon::tessellate::Up;
+use burgeon::word::{Params, Symbol};
 use proptest::prelude::*;
 
 #[test]
@@ -88,17 +88,14 @@ fn other_refusals() {
 
 fn word(topology: Topology, points: &[[f32; 3]]) -> Word {
     let field = Field { name: "v".to_string(), ty: Type::Vec3 };
+    let symbols = vec![Symbol { name: "P".to_string(), fields: vec![field] }];
+    let mut params = Params::new(&symbols);
     let module = |(n, &p): (usize, &[f32; 3])| {
-        let params = vec![Value::Vec3(p)];
-        Module { symbol: 0, params, path: 0, parent: n.checked_sub(1), lateral: false }
+        let row = params.push(0, &[Value::Vec3(p)]).expect("a point");
+        Module { symbol: 0, row, path: 0, parent: n.checked_sub(1), lateral: false }
     };
-    Word {
-        system: "s & <t>".to_string(),
-        steps: 1,
-        topology,
-        symbols: vec![Symbol { name: "P".to_string(), fields: vec![field] }],
-        modules: points.iter().enumerate().map(module).collect(),
-    }
+    let modules = points.iter().enumerate().map(module).collect();
+    Word { system: "s & <t>".to_string(), steps: 1, topology, symbols, modules, params }
 }
 
 fn written(word: &Word, style: &Style) -> Vec<u8> {
@@ -227,9 +224,11 @@ fn a_tree_is_a_line_for_each_axis() {
         Field { name: "v".to_string(), ty: Type::Vec2 },
         Field { name: "r".to_string(), ty: Type::Float },
     ];
+    let symbols = vec![Symbol { name: "P".to_string(), fields }];
+    let mut params = Params::new(&symbols);
     let module = |(p, r, parent, lateral): ([f32; 2], f32, Option<usize>, bool)| {
-        let params = vec![Value::Vec2(p), Value::Float(r)];
-        Module { symbol: 0, params, path: 0, parent, lateral }
+        let row = params.push(0, &[Value::Vec2(p), Value::Float(r)]).expect("a point and a width");
+        Module { symbol: 0, row, path: 0, parent, lateral }
     };
     let all = [
         ([0.0, 0.0], 2.0, None, false),
@@ -238,11 +237,8 @@ fn a_tree_is_a_line_for_each_axis() {
         ([2.0, 3.0], 1.0, Some(2), false),
         ([0.0, 2.0], 0.5, Some(1), false),
     ];
-    let tree = Word {
-        symbols: vec![Symbol { name: "P".to_string(), fields }],
-        modules: all.map(module).to_vec(),
-        ..word(Topology::Tree, &[])
-    };
+    let modules = all.map(module).to_vec();
+    let tree = Word { symbols, modules, params, ..word(Topology::Tree, &[]) };
     let lines = burgeon::io::curves::lines(&tree);
     let points: Vec<Vec<[f32; 3]>> = lines.iter().map(|line| line.points.clone()).collect();
     let (trunk, branch) =
@@ -326,10 +322,13 @@ fn csv_of_polygons_and_of_symbols() {
     assert_eq!((square[0].points.len(), square[0].closed), (3, Some(true)));
     assert_eq!((square[1].points.len(), square[1].closed), (3, None));
     let symbol = |name: &str| Symbol { name: name.to_string(), fields: Vec::new() };
-    let module = |symbol| Module { symbol, params: Vec::new(), path: 0, parent: None, lateral: false };
-    let base = word(Topology::Open, &[]);
-    let one = Word { symbols: vec![symbol("F")], modules: vec![module(0); 2], ..base.clone() };
-    let two = Word { symbols: vec![symbol("F"), symbol("G")], modules: [0, 1].map(module).to_vec(), ..base };
+    let module = |symbol| Module { symbol, row: 0, path: 0, parent: None, lateral: false };
+    let of = |names: &[&str], modules: &[usize]| {
+        let symbols: Vec<Symbol> = names.iter().map(|name| symbol(name)).collect();
+        let (params, modules) = (Params::new(&symbols), modules.iter().copied().map(module).collect());
+        Word { symbols, params, modules, ..word(Topology::Open, &[]) }
+    };
+    let (one, two) = (of(&["F"], &[0, 0]), of(&["F", "G"], &[0, 1]));
     for (words, expected) in [
         (vec![&one], "symbol\nF\nF\n"),
         (vec![&one, &one], "symbol\nF\nF\n\nF\nF\n"),

@@ -2,6 +2,8 @@
 
 use super::word::{Cell, Module, Param, Word};
 use burgeon::language::Value;
+use burgeon::language::system::Field;
+use burgeon::word::{Params, Symbol};
 
 /// How near an engine's floats must come.
 #[derive(Clone, Copy, Debug)]
@@ -85,7 +87,7 @@ fn compare_module(
     if let Some((what, _)) = checks.iter().find(|(_, same)| !same) {
         return Err(format!("the {what} differ"));
     }
-    compare_params(module, &other.params, tolerance)?;
+    compare_params(module, &engine.params(index).to_vec(), tolerance)?;
     compare_nets(word, module, engine.net(index), tolerance)
 }
 
@@ -158,20 +160,17 @@ fn describe_engine(word: &burgeon::patch::Word, index: usize) -> String {
     let module = &word.modules[index];
     let cell = [module.cell.du as u32, module.cell.dv as u32, module.cell.i, module.cell.j];
     let symbol = word.symbols.get(module.symbol).map_or("?", |s| s.name.as_str());
-    let params = &module.params;
+    let params = word.params(index).to_vec();
     format!("{symbol}{params:?} root {} key {:#018x} cell {cell:?}", module.root, module.key)
 }
 
 /// What an engine would hand back that rounds each coordinate once: the oracle's word in the engine's containers.
 pub fn engine_word(word: &Word, steps: usize) -> burgeon::patch::Word {
-    let mut symbols: Vec<burgeon::patch::Symbol> = Vec::new();
+    let mut symbols: Vec<Symbol> = Vec::new();
+    let mut params = Params::default();
     let mut modules = Vec::new();
     let mut nets = Vec::new();
     for module in &word.modules {
-        let symbol = symbols.iter().position(|s| s.name == module.symbol).unwrap_or_else(|| {
-            symbols.push(burgeon::patch::Symbol { name: module.symbol.clone(), fields: Vec::new() });
-            symbols.len() - 1
-        });
         let value = |p: &Param| match *p {
             Param::Int(i) => Value::Int(i),
             Param::Bool(b) => Value::Bool(b),
@@ -180,10 +179,18 @@ pub fn engine_word(word: &Word, steps: usize) -> burgeon::patch::Word {
             Param::Vec3(v) => Value::Vec3(v.map(|x| x as f32)),
             Param::Vec4(v) => Value::Vec4(v.map(|x| x as f32)),
         };
+        let values: Vec<Value> = module.params.iter().map(value).collect();
+        let symbol = symbols.iter().position(|s| s.name == module.symbol).unwrap_or_else(|| {
+            let field = |(n, value): (usize, &Value)| Field { name: format!("p{n}"), ty: value.ty() };
+            let fields: Vec<Field> = values.iter().enumerate().map(field).collect();
+            params.add_symbol(&fields);
+            symbols.push(Symbol { name: module.symbol.clone(), fields });
+            symbols.len() - 1
+        });
         let Cell { du, dv, i, j } = module.cell();
         modules.push(burgeon::patch::Module {
             symbol,
-            params: module.params.iter().map(value).collect(),
+            row: params.push(symbol, &values).expect("types of the first"),
             root: module.root as u32,
             key: module.key(),
             cell: burgeon::patch::Cell { du: du as u8, dv: dv as u8, i: i as u32, j: j as u32 },
@@ -198,6 +205,7 @@ pub fn engine_word(word: &Word, steps: usize) -> burgeon::patch::Word {
         degree,
         rational: false,
         modules,
+        params,
         nets,
     }
 }

@@ -307,11 +307,13 @@ fn every_difference_is_found_and_named() {
         break_it(&mut bad);
         compare(&word, &bad, Tolerance::Exact).unwrap_err()
     };
-    use burgeon::language::Value;
+    use burgeon::word::Column;
     assert_eq!(compare(&word, &good, Tolerance::Exact), Ok(()));
     assert!(error(&|w| w.modules[1].symbol = 0).contains("module 1: the symbols differ"));
-    assert!(error(&|w| w.modules[0].params[0] = Value::Int(0)).contains("parameter 0 is Int(3) and Int(0)"));
-    assert!(error(&|w| w.modules[0].params[0] = Value::Float(3.0)).contains("parameter 0"));
+    let a = good.modules[0].symbol;
+    let column = |column: Column| error(&|w| *w.params.column_mut(a, 0).expect("a column") = column.clone());
+    assert!(column(Column::Int(vec![0])).contains("parameter 0 is Int(3) and Int(0)"));
+    assert!(column(Column::Float(vec![3.0])).contains("parameter 0"));
     assert!(error(&|w| w.modules[2].root = 1).contains("module 2: the roots differ"));
     assert!(error(&|w| w.modules[2].key += 1).contains("order keys"));
     assert!(error(&|w| w.modules[0].cell.j = 1).contains("cells"));

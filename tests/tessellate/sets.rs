@@ -1,7 +1,8 @@
 //! Sets of patches to tessellate.
 
 use crate::oracle::Random;
-use burgeon::patch::{Cell, Module, Net, Symbol, Word};
+use burgeon::patch::{Cell, Module, Net, Word};
+use burgeon::word::{Params, Symbol};
 use std::collections::HashMap;
 
 fn point(random: &mut Random, near: [f64; 3], spread: f64) -> [f32; 4] {
@@ -132,17 +133,19 @@ pub fn word(roots: u32, seed: u64) -> Word {
         }
         let symbol = usize::from(random.chance(30));
         let key = modules.len() as u64;
-        modules.push(Module { symbol, params: Vec::new(), root, key, cell });
+        modules.push(Module { symbol, row: 0, root, key, cell });
     }
     let (mut random, mut modules) = (Random::new(seed), Vec::new());
     for root in 0..roots {
         grow(&mut random, root, Cell::default(), &mut modules);
     }
     let symbol = |name: &str| Symbol { name: name.to_string(), fields: Vec::new() };
+    let symbols = vec![symbol("P"), symbol("hole")];
     Word {
         system: "random".to_string(),
         steps: 9,
-        symbols: vec![symbol("P"), symbol("hole")],
+        params: Params::new(&symbols),
+        symbols,
         degree: [3, 3],
         rational: false,
         modules,

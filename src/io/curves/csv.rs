@@ -5,7 +5,7 @@ use super::super::text::{Element, ParseError, Problem, Token, Wrong};
 use super::super::write::WriteError;
 use super::Polyline;
 use crate::curve::Word;
-use crate::language::Value;
+use crate::language::{Type, Value};
 use std::io::Write;
 
 /// Reads curves: a point a row, an empty row between curves, `coordinates` (2 to 4) columns at most. Cells may stand in
@@ -183,16 +183,17 @@ fn ended(mut points: Vec<[f32; 4]>) -> Polyline {
 /// # Errors
 /// What the writer reports; a number that is not finite, naming the module.
 pub fn write(writer: &mut dyn Write, words: &[&Word]) -> Result<(), WriteError> {
-    let mut all = words.iter().flat_map(|word| word.modules.iter().map(move |module| (word, module)));
+    let mut all = words.iter().flat_map(|word| word.modules.iter().map(move |m| (word, m.symbol)));
     let first = all.next();
-    let several = all.any(|(_, m)| first.is_some_and(|(_, first)| first.symbol != m.symbol));
+    let without = |(word, symbol): (&&Word, usize)| word.symbols[symbol].fields.is_empty();
     // A module without parameters would be an empty row.
-    let several = several || words.iter().any(|word| word.modules.iter().any(|m| m.params.is_empty()));
+    let several = first.is_some_and(|first| without(first))
+        || all.any(|other| first.is_some_and(|first| first.1 != other.1) || without(other));
     if let Some((word, first)) = first {
-        let fields = &word.symbols[first.symbol].fields;
+        let fields = &word.symbols[first].fields;
         let mut names: Vec<String> = several.then(|| "symbol".to_string()).into_iter().collect();
-        for (field, value) in fields.iter().zip(&first.params) {
-            match components(value) {
+        for field in fields {
+            match components(&field.ty) {
                 1 => names.push(field.name.clone()),
                 n => names
                     .extend(["x", "y", "z", "w"][..n].iter().map(|axis| format!("{}.{axis}", field.name))),
@@ -209,8 +210,8 @@ pub fn write(writer: &mut dyn Write, words: &[&Word]) -> Result<(), WriteError> 
             if several {
                 row.extend(word.symbols[module.symbol].name.as_bytes());
             }
-            for value in &module.params {
-                cells(&mut row, value).map_err(|x| {
+            for value in word.params(n).iter() {
+                cells(&mut row, &value).map_err(|x| {
                     WriteError::not_finite(format_args!("module {n}"), x).of_word(place, words.len())
                 })?;
             }
@@ -221,11 +222,11 @@ pub fn write(writer: &mut dyn Write, words: &[&Word]) -> Result<(), WriteError> 
     Ok(())
 }
 
-fn components(value: &Value) -> usize {
-    match value {
-        Value::Vec2(_) => 2,
-        Value::Vec3(_) => 3,
-        Value::Vec4(_) => 4,
+fn components(ty: &Type) -> usize {
+    match ty {
+        Type::Vec2 => 2,
+        Type::Vec3 => 3,
+        Type::Vec4 => 4,
         _ => 1,
     }
 }

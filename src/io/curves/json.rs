@@ -67,14 +67,14 @@ fn object(writer: &mut dyn Write, word: &Word) -> Result<(), WriteError> {
          \"modules\":["
     )?;
     for (n, module) in word.modules.iter().enumerate() {
-        let floats =
-            module.params.iter().flat_map(Value::words).zip(module.params.iter().flat_map(are_floats));
+        let values = word.params(n).to_vec();
+        let floats = values.iter().flat_map(Value::words).zip(values.iter().flat_map(are_floats));
         let wrong = floats.map(|(w, is)| (f32::from_bits(w), is)).find(|(x, is)| *is && !x.is_finite());
         if let Some((x, _)) = wrong {
             return Err(WriteError::not_finite(format_args!("module {n}"), x));
         }
         let symbol = json!(word.symbols[module.symbol].name);
-        let params: Vec<Param> = module.params.iter().map(Param).collect();
+        let params: Vec<Param> = values.iter().map(Param).collect();
         let params = serde_json::to_string(&params).map_err(std::io::Error::from)?;
         let comma = if n == 0 { "" } else { "," };
         write!(writer, "{comma}\n{{\"symbol\":{symbol},\"params\":{params}")?;

@@ -13,8 +13,8 @@ use super::Noted;
 use super::obj;
 use super::text::ReadError;
 use crate::curve::{Module, Word};
-use crate::language::Value;
 use crate::language::system::Topology;
+use crate::word::Column;
 use std::path::Path;
 
 /// Reads the curves of a file, by its extension: `.obj` (vertices, and lines if there are any), `.csv` or
@@ -52,19 +52,19 @@ pub fn lines(word: &Word) -> Vec<Line> {
         return vec![Line { points: word.points(), closed: true, widths: Vec::new() }];
     }
     let width_of = |module: &Module| {
-        let fields = &word.symbols[module.symbol].fields;
-        fields.iter().zip(&module.params).find_map(|(field, value)| match value {
-            Value::Float(r) if field.name == "r" => Some(*r),
+        let fields = word.symbols[module.symbol].fields.iter();
+        fields.zip(word.params.columns(module.symbol)).find_map(|(field, column)| match column {
+            Column::Float(all) if field.name == "r" => all.get(module.row as usize).copied(),
             _ => None,
         })
     };
     let mut lines: Vec<Line> = Vec::new();
     // For each module the curve of its axis, and where it stands or the last before it that has a position.
     let mut places: Vec<(Option<usize>, Option<[f32; 3]>)> = Vec::with_capacity(word.modules.len());
-    for module in &word.modules {
+    for (module, position) in word.modules.iter().zip(word.positions()) {
         let (before, from) = module.parent.map_or((None, None), |parent| places[parent]);
         let mut line = before.filter(|_| !module.lateral);
-        let Some(own) = module.position() else {
+        let Some(own) = position else {
             places.push((line, from));
             continue;
         };

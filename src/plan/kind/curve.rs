@@ -5,8 +5,7 @@ use crate::curve;
 use crate::language::eval;
 use crate::language::expr::Value;
 use crate::language::system::{self, CurveStart, Hang, Kind, Rule, Successor, System, Topology};
-use crate::patch;
-use crate::plan::collect::{Collected, table_of, whole};
+use crate::plan::collect::{Collected, symbols, whole, words_of};
 use crate::plan::columns::{Content, Domain};
 use crate::plan::derive::Options;
 use crate::plan::layout::{self, CurveHeader, LATERAL, Layout, NONE};
@@ -16,6 +15,7 @@ use crate::plan::step::{Column, Pass};
 use crate::plan::supported::{MOST_CELLS, MOST_STRICT, Unsupported};
 use crate::plan::tables::{Becomes, Builder, Resolve, RulesOf, Stage, draws, ends_apart, successor};
 use crate::plan::{Error, Plan, Settings};
+use crate::word::Params;
 
 /// See [`WordKind`].
 #[derive(Debug)]
@@ -313,9 +313,11 @@ fn curve_word(plan: &Plan, steps: u32, records: &[u32], first: usize) -> Result<
     let Kind::Curve(topology) = plan.system.kind else {
         return Err(Error::Axiom(format!("{} is no curve system", plan.system.name)));
     };
+    let symbols = symbols(plan);
+    let mut params = Params::new(&symbols);
     let module = |(at, record): (usize, &[u32])| {
         let symbol = (record[0] & 0xffff) as usize;
-        let table = table_of(plan, symbol, at)?;
+        let words = words_of(plan, symbol, at)?;
         let (parent, lateral) = match layout.link.map(|word| record[word]) {
             None => (at.checked_sub(1), false),
             Some(link) => {
@@ -323,10 +325,9 @@ fn curve_word(plan: &Plan, steps: u32, records: &[u32], first: usize) -> Result<
                 (parent.filter(|&parent| parent < at), link & LATERAL != 0)
             }
         };
-        let params = table.fields.iter().zip(&table.words);
         Ok(curve::Module {
             symbol,
-            params: params.map(|(f, &at)| Value::from_words(&f.ty, &record[at..])).collect(),
+            row: params.push_record(symbol, words, record),
             path: if layout.paths { u64::from(record[1]) << 32 | u64::from(record[2]) } else { 0 },
             parent,
             lateral,
@@ -334,12 +335,5 @@ fn curve_word(plan: &Plan, steps: u32, records: &[u32], first: usize) -> Result<
     };
     let modules = records.chunks_exact(layout.record_words).enumerate().map(module);
     let modules = modules.collect::<Result<_, Error>>()?;
-    let symbols = plan.tables.symbols.iter();
-    Ok(curve::Word {
-        system: plan.system.name.clone(),
-        steps,
-        topology,
-        symbols: symbols.map(|s| patch::Symbol { name: s.name.clone(), fields: s.fields.clone() }).collect(),
-        modules,
-    })
+    Ok(curve::Word { system: plan.system.name.clone(), steps, topology, symbols, modules, params })
 }

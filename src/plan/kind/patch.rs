@@ -4,7 +4,7 @@ use super::WordKind;
 use crate::language::expr::Value;
 use crate::language::system::{self, Kind, Rule, Successor, System};
 use crate::patch;
-use crate::plan::collect::{Collected, table_of, whole};
+use crate::plan::collect::{Collected, symbols, whole, words_of};
 use crate::plan::columns::Content;
 use crate::plan::layout::{self, Header, Layout};
 use crate::plan::program::{Call, Over, Program, Work};
@@ -13,6 +13,7 @@ use crate::plan::step::Pass;
 use crate::plan::supported::Unsupported;
 use crate::plan::tables::{Becomes, Builder, Resolve, RulesOf, Stage, successor};
 use crate::plan::{Error, Plan, Settings};
+use crate::word::Params;
 
 /// See [`WordKind`].
 #[derive(Debug)]
@@ -167,14 +168,15 @@ fn word(plan: &Plan, steps: u32, content: Content) -> Result<patch::Word, Error>
     if !sorted {
         order.sort_unstable_by_key(|&i| place(&headers[i as usize]));
     }
+    let symbols = symbols(plan);
+    let mut params = Params::new(&symbols);
     let module = |&i: &u32| {
         let header = &headers[i as usize];
-        let symbol = table_of(plan, header.symbol as usize, i as usize)?;
+        let words = words_of(plan, header.symbol as usize, i as usize)?;
         let record = &records[i as usize * layout.record_words..][..layout.record_words];
-        let params = symbol.fields.iter().zip(&symbol.words);
         Ok(patch::Module {
             symbol: header.symbol as usize,
-            params: params.map(|(f, &at)| Value::from_words(&f.ty, &record[at..])).collect(),
+            row: params.push_record(header.symbol as usize, words, record),
             root: header.root,
             key: header.key,
             cell: header.cell,
@@ -187,14 +189,14 @@ fn word(plan: &Plan, steps: u32, content: Content) -> Result<patch::Word, Error>
         false => order.iter().flat_map(net).copied().collect(),
         true => content.into_nets(),
     };
-    let visible = plan.tables.symbols.iter().filter(|s| !s.hidden);
     Ok(patch::Word {
         system: plan.system.name.clone(),
         steps,
-        symbols: visible.map(|s| patch::Symbol { name: s.name.clone(), fields: s.fields.clone() }).collect(),
+        symbols,
         degree: layout.net.unwrap_or_default(),
         rational: plan.rational(),
         modules,
+        params,
         nets,
     })
 }
