@@ -458,7 +458,7 @@ fn an_axiom_without_roots_gives_a_word_without_modules() {
         let steps = schedule::unroll(&job.plan, &job.uniforms)
             .expect("a schedule")
             .iter()
-            .map(|d| d.count)
+            .map(|act| act.rewrite().count)
             .sum::<u32>();
         on_all(&job, &|name, derive| {
             let (word, peak) = derive(&Options::default()).unwrap_or_else(|e| panic!("{name}: {e}"));

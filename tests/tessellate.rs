@@ -313,14 +313,14 @@ fn words_that_do_not_cover_their_roots_once_are_refused() {
     missing.modules.remove(last);
     assert_eq!(made(&missing), cover(1));
     let mut twice = good.clone();
-    twice.modules.push(good.modules[last].clone());
+    twice.modules.push(good.modules[last]);
     assert_eq!(made(&twice), cover(1));
     let mut outside = good.clone();
     outside.modules[0].cell.i = 1 << outside.modules[0].cell.du;
     assert_eq!(made(&outside), cover(0));
     assert_eq!(made(&Word { modules: Vec::new(), ..good.clone() }), cover(0));
     // As much as there is, but one half twice in place of the other; and halves that cross.
-    let module = |du, dv, i, j| Module { cell: Cell { du, dv, i, j }, root: 0, ..good.modules[0].clone() };
+    let module = |du, dv, i, j| Module { cell: Cell { du, dv, i, j }, root: 0, ..good.modules[0] };
     let of = |first: Vec<Module>| {
         let rest = good.modules.iter().filter(|m| m.root == 1).cloned();
         Word { modules: first.into_iter().chain(rest).collect(), ..good.clone() }

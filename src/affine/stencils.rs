@@ -13,7 +13,8 @@ use super::word::{self, Context, point_field};
 use crate::curve::Axiom;
 use crate::language::Type;
 use crate::language::expr::Value;
-use crate::plan::{Options, Plan, schedule};
+use crate::plan::schedule::{self, Act};
+use crate::plan::{Options, Plan};
 use std::collections::HashMap;
 
 /// A table of weights.
@@ -73,7 +74,7 @@ impl Stencils {
             return Err(Error::Rules("the axiom has no points".to_string()));
         }
         let mut left = steps.unwrap_or(u32::MAX);
-        for derive in schedule::unroll(plan, values)? {
+        for derive in schedule::unroll(plan, values)?.iter().map(Act::rewrite) {
             if derive.until_terminal {
                 let message = "how many steps `until terminal` takes is not known before they are done";
                 return Err(Error::Rules(message.to_string()));

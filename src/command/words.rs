@@ -9,7 +9,7 @@ use burgeon::curve::{self, Words};
 use burgeon::language::Value;
 use burgeon::language::expr::Type;
 use burgeon::plan;
-use burgeon::plan::schedule::{self, Derive};
+use burgeon::plan::schedule::{self, Act};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -166,7 +166,7 @@ pub fn several(flags: &flags::Run, job: &Job) -> Result<Several, Failure> {
             words.extend((0..seeds).map(|n| start(first.wrapping_add(n))));
         }
     }
-    let mut runs: Vec<(Vec<Derive>, Vec<usize>)> = Vec::new();
+    let mut runs: Vec<(Vec<Act>, Vec<usize>)> = Vec::new();
     for (n, start) in words.iter().enumerate() {
         let uniforms = job.plan.uniforms(&start.set).map_err(|e| job.failure(e))?;
         let own = schedule::unroll(&job.plan, &uniforms).map_err(|e| job.failure(e))?;

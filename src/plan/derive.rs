@@ -8,10 +8,10 @@
 
 use super::columns::{Content, Stored};
 use super::given::{Given, View};
-use super::schedule::{self, Derive};
+use super::schedule::{self, Act, Rewrite};
 use super::size::{self, Bounds, Endless};
 use super::step::Clock;
-use super::tables::{RulesOf, Stage, Tables};
+use super::tables::{Stage, Tables};
 use super::{Error, Plan, Settings, links, turtle};
 use crate::language::expr::Value;
 use crate::patch;
@@ -165,7 +165,7 @@ pub(crate) struct Asked {
     pub settings: Settings,
     /// Of several words at once what each runs with; else none.
     pub each: Vec<Settings>,
-    pub schedule: Vec<Derive>,
+    pub schedule: Vec<Act>,
     pub given: Given,
 }
 
@@ -224,11 +224,11 @@ pub fn derive<S: Start, B: Backend>(
         backend,
     };
     run.put(content, 0)?;
-    for derive in schedule {
+    for act in schedule {
         if run.steps.len() as u64 >= run.most_steps {
             break;
         }
-        run.derive(derive)?;
+        run.act(act)?;
     }
     let chunks = run.frontier.into_iter().chain(run.finished.into_iter().map(|f| f.0)).collect();
     Ok(Derivation {
@@ -241,20 +241,14 @@ pub fn derive<S: Start, B: Backend>(
     })
 }
 
-fn most_steps(schedule: &[Derive], options: &Options) -> u64 {
-    let all = schedule.iter().map(|d| d.count as u64).sum();
+fn most_steps(schedule: &[Act], options: &Options) -> u64 {
+    let all = schedule.iter().map(|act| act.rewrite().count as u64).sum();
     options.steps.map_or(all, |s| all.min(s as u64))
 }
 
 /// Bounds of the word's size after each step, from the rules alone: up to an `until terminal`, which may end early.
-pub fn bounds(
-    plan: &Plan,
-    uniforms: &[Value],
-    records: &[u32],
-    schedule: &[Derive],
-    most: u64,
-) -> Vec<Bounds> {
-    let sure = schedule.iter().take_while(|d| !d.until_terminal);
+pub fn bounds(plan: &Plan, uniforms: &[Value], records: &[u32], schedule: &[Act], most: u64) -> Vec<Bounds> {
+    let sure = schedule.iter().map(Act::rewrite).take_while(|d| !d.until_terminal);
     let steps: Vec<usize> = sure
         .flat_map(|d| std::iter::repeat_n(d.rule_set, d.count.min(size::HORIZON as u32) as usize))
         .take(most.min(size::HORIZON as u64) as usize)
@@ -276,7 +270,7 @@ fn refuse_growth(
     plan: &Plan,
     uniforms: &[Value],
     records: &[u32],
-    schedule: &[Derive],
+    schedule: &[Act],
     options: &Options,
 ) -> Result<(), Error> {
     let module = plan.tables.layout.module_bytes();
@@ -315,7 +309,19 @@ struct Run<'a, B: Backend> {
 }
 
 impl<B: Backend> Run<'_, B> {
-    fn derive(&mut self, derive: Derive) -> Result<(), B::Error> {
+    fn act(&mut self, act: Act) -> Result<(), B::Error> {
+        match act {
+            Act::Rewrite(rewrite) => self.rewrite(rewrite, &mut |_| Ok(())),
+            Act::Trace { by, into } => self.rewrite(by, &mut |run| run.start_empty_words(into)),
+        }
+    }
+
+    /// Steps, each with what comes after its sweeps.
+    fn rewrite(
+        &mut self,
+        derive: Rewrite,
+        after: &mut dyn FnMut(&mut Self) -> Result<(), B::Error>,
+    ) -> Result<(), B::Error> {
         self.recall(derive.rule_set);
         for step in 0..derive.count {
             if self.steps.len() as u64 >= self.most_steps {
@@ -323,6 +329,7 @@ impl<B: Backend> Run<'_, B> {
             }
             let start = Instant::now();
             let fired = self.step(derive.rule_set, step)?;
+            after(self)?;
             if derive.until_terminal && !fired {
                 break;
             }
@@ -381,9 +388,6 @@ impl<B: Backend> Run<'_, B> {
         for stage in 0..self.plan.tables.rule_sets[rule_set].stages.len() {
             let id = StageId { rule_set, stage };
             fired |= self.sweep(id, clock)?;
-        }
-        if let RulesOf::Trace(into) = self.plan.tables.rule_sets[rule_set].of {
-            self.start_empty_words(into)?;
         }
         Ok(fired)
     }

@@ -172,7 +172,7 @@ impl Plan {
     /// A `derive until terminal` that begins the run and makes all its steps, whatever the params are: the rule that
     /// fires in each of them, and the derive.
     pub fn without_end(&self) -> Option<(Span, Span)> {
-        let first = schedule::unroll(self, &self.defaults()).ok()?.into_iter().next()?;
+        let first = *schedule::unroll(self, &self.defaults()).ok()?.first()?.rewrite();
         let axiom = self.tables.kind.first_symbols(&self.system.axiom);
         let rule = size::without_end(&self.tables, first.rule_set, &axiom)?;
         (first.until_terminal && first.count > 0).then_some((rule, first.span))

@@ -1,4 +1,4 @@
-//! The `run:` block, its counts read: a flat list of derives.
+//! The `run:` block, its counts read: a flat list of acts.
 
 use super::tables::RulesOf;
 use super::{Error, Plan, Settings};
@@ -6,9 +6,28 @@ use crate::language::expr::{Expr, Value};
 use crate::language::system::{Step, StepKind};
 use crate::language::{Span, eval};
 
-/// One `derive` of the schedule.
+/// One act of the schedule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Derive {
+pub enum Act {
+    /// `derive`: steps of the system's rules.
+    Rewrite(Rewrite),
+    /// `trace`: one step of rules that the tables hold for it, after which a word without modules is the point, of the
+    /// symbol `into`, at which its turtle starts.
+    Trace { by: Rewrite, into: usize },
+}
+
+impl Act {
+    /// The steps that it takes.
+    pub fn rewrite(&self) -> &Rewrite {
+        match self {
+            Act::Rewrite(rewrite) | Act::Trace { by: rewrite, .. } => rewrite,
+        }
+    }
+}
+
+/// Steps of one rule set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rewrite {
     /// Index into [`Tables::rule_sets`](super::Tables::rule_sets).
     pub rule_set: usize,
     /// Steps; the most there may be with `until_terminal`.
@@ -19,12 +38,12 @@ pub struct Derive {
     pub span: Span,
 }
 
-/// Derives a schedule may unroll to, and steps one of them may ask for.
-pub const MOST_DERIVES: usize = 1 << 16;
+/// Acts a schedule may unroll to, and steps one of them may ask for.
+pub const MOST_ACTS: usize = 1 << 16;
 pub const MOST_STEPS: u32 = 1_000_000;
 
 /// Unrolls `repeat` and `if` with the values of the uniforms.
-pub fn unroll(plan: &Plan, uniforms: &[Value]) -> Result<Vec<Derive>, Error> {
+pub fn unroll(plan: &Plan, uniforms: &[Value]) -> Result<Vec<Act>, Error> {
     let mut list = Vec::new();
     let mut turns = 0;
     steps(plan, uniforms, &plan.system.run, &mut list, &mut turns)?;
@@ -35,7 +54,7 @@ pub fn unroll(plan: &Plan, uniforms: &[Value]) -> Result<Vec<Derive>, Error> {
 ///
 /// # Errors
 /// Also where a word, counted from 0, has another one than the first.
-pub fn of_all(plan: &Plan, first: &Settings, others: &[Settings]) -> Result<Vec<Derive>, Error> {
+pub fn of_all(plan: &Plan, first: &Settings, others: &[Settings]) -> Result<Vec<Act>, Error> {
     let list = unroll(plan, &first.uniforms)?;
     for (n, values) in others.iter().enumerate() {
         if unroll(plan, &values.uniforms)? != list {
@@ -52,26 +71,27 @@ fn steps(
     plan: &Plan,
     uniforms: &[Value],
     run: &[Step],
-    list: &mut Vec<Derive>,
+    list: &mut Vec<Act>,
     turns: &mut usize,
 ) -> Result<(), Error> {
     for step in run {
         *turns += 1;
-        if *turns > MOST_DERIVES {
+        if *turns > MOST_ACTS {
             return Err(Error::Value(format!(
-                "the schedule unrolls to more than {MOST_DERIVES} steps of `run:`"
+                "the schedule unrolls to more than {MOST_ACTS} steps of `run:`"
             )));
         }
         match &step.kind {
             StepKind::Derive { count, until_terminal, groups } => {
                 let count = number(count, uniforms, "derive")?;
                 let rule_set = rule_set(plan, &RulesOf::Groups(groups.clone()))?;
-                list.push(Derive { rule_set, count, until_terminal: *until_terminal, span: step.span });
+                let until_terminal = *until_terminal;
+                list.push(Act::Rewrite(Rewrite { rule_set, count, until_terminal, span: step.span }));
             }
-            // A step of rules that the tables hold for it.
             StepKind::Trace { into } => {
                 let rule_set = rule_set(plan, &RulesOf::Trace(*into))?;
-                list.push(Derive { rule_set, count: 1, until_terminal: false, span: step.span });
+                let by = Rewrite { rule_set, count: 1, until_terminal: false, span: step.span };
+                list.push(Act::Trace { by, into: *into });
             }
             StepKind::Repeat { count, body } => {
                 for _ in 0..number(count, uniforms, "repeat")? {

@@ -10,7 +10,7 @@
 
 use super::certain::{Certain, Fires};
 use super::context::Place;
-use super::schedule::Derive;
+use super::schedule::{Act, Rewrite};
 use super::tables::{MatchRule, RuleSet, Tables};
 use crate::language::Span;
 use crate::language::expr::Value;
@@ -75,7 +75,7 @@ pub struct Excess {
 pub struct Endless {
     pub symbol: usize,
     pub rule: Span,
-    pub derive: Derive,
+    pub derive: Rewrite,
 }
 
 /// A rule that fires in every step of a derive, whatever the params are, if the word before it holds one of these symbols;
@@ -111,7 +111,7 @@ pub fn excess(
     tables: &Tables,
     uniforms: &[Value],
     axiom: &[u64],
-    schedule: &[Derive],
+    schedule: &[Act],
     most_steps: u64,
     limit: u64,
 ) -> Option<Excess> {
@@ -124,14 +124,14 @@ fn of_one_symbol(
     tables: &Tables,
     uniforms: &[Value],
     axiom: &[u64],
-    schedule: &[Derive],
+    schedule: &[Act],
     most_steps: u64,
     limit: u64,
 ) -> Option<Excess> {
     let mut present = (0..axiom.len()).filter(|&symbol| axiom[symbol] > 0);
     let (Some(symbol), None) = (present.next(), present.next()) else { return None };
     let (mut modules, mut step, mut work) = (axiom[symbol], 0, 0);
-    for derive in schedule {
+    for derive in schedule.iter().map(Act::rewrite) {
         let alone = Alone::new(symbol, tables, &tables.rule_sets[derive.rule_set], uniforms)?;
         let end = (step + u64::from(derive.count)).min(most_steps);
         let start = step;
@@ -239,7 +239,7 @@ fn by_symbols(
     tables: &Tables,
     uniforms: &[Value],
     axiom: &[u64],
-    schedule: &[Derive],
+    schedule: &[Act],
     most_steps: u64,
     limit: u64,
 ) -> Option<Excess> {
@@ -250,7 +250,7 @@ fn by_symbols(
     }
     let outcomes = Outcomes::of_all(tables, uniforms);
     let (mut step, mut work, mut counted) = (0, 0, 0);
-    for (at, derive) in schedule.iter().enumerate() {
+    for (at, derive) in schedule.iter().map(Act::rewrite).enumerate() {
         let mut least = ones.clone();
         let (start_of_derive, end) = (counted, (step + u64::from(derive.count)).min(most_steps));
         while step < end {
@@ -261,7 +261,7 @@ fn by_symbols(
             least = before;
             work += outcomes[derive.rule_set].work;
             let mut start = least.clone();
-            for earlier in schedule[..at].iter().rev() {
+            for earlier in schedule[..at].iter().rev().map(Act::rewrite) {
                 work += outcomes[earlier.rule_set].back_all(&mut start, earlier.count);
             }
             let modules = weighted_sum(axiom, &start);
@@ -293,11 +293,11 @@ fn weighted_sum(counts: &[u64], values: &[u64]) -> u64 {
 
 /// What the module of the axiom that becomes most has become, among others, after some derives: always the child that
 /// becomes most. `values` are the bounds behind them. None where the way there is too long to tell.
-fn grown(outcomes: &[Outcomes], axiom: &[u64], schedule: &[Derive], values: &[u64]) -> Option<usize> {
+fn grown(outcomes: &[Outcomes], axiom: &[u64], schedule: &[Act], values: &[u64]) -> Option<usize> {
     // For each derive the bounds behind it, then those before each of its steps, the last first, until they settle.
     let mut all: Vec<Vec<Vec<u64>>> = Vec::with_capacity(schedule.len());
     let mut values = values.to_vec();
-    for derive in schedule.iter().rev() {
+    for derive in schedule.iter().rev().map(Act::rewrite) {
         let mut list = vec![values];
         while list.len() <= derive.count as usize {
             let before = outcomes[derive.rule_set].back(&list[list.len() - 1], u64::min);
@@ -313,7 +313,7 @@ fn grown(outcomes: &[Outcomes], axiom: &[u64], schedule: &[Derive], values: &[u6
         all.push(list);
     }
     let mut symbol = most(&values, (0..axiom.len()).filter(|&symbol| axiom[symbol] > 0))?;
-    for (derive, list) in schedule.iter().zip(all.iter().rev()) {
+    for (derive, list) in schedule.iter().map(Act::rewrite).zip(all.iter().rev()) {
         let settled = list.len() - 1;
         // Where they have settled, as many steps as there are symbols lead wherever more would.
         let steps = (derive.count as usize).min(settled + axiom.len());
@@ -384,7 +384,7 @@ impl Outcomes {
     }
 
     /// The symbol behind the growth: from one always to the child that becomes most, until one comes again.
-    fn endless(&self, mut symbol: usize, values: &[u64], derive: Derive) -> Option<Endless> {
+    fn endless(&self, mut symbol: usize, values: &[u64], derive: Rewrite) -> Option<Endless> {
         let mut path: Vec<(usize, &Outcome)> = Vec::new();
         let circle = loop {
             if let Some(start) = path.iter().position(|(earlier, _)| *earlier == symbol) {

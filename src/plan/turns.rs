@@ -6,8 +6,7 @@
 //! whether a `derive until terminal` has come to its end, after which its sweeps keep every module as it is.
 
 use super::derive::StageId;
-use super::schedule::Derive;
-use super::tables::RulesOf;
+use super::schedule::Act;
 use super::{Error, Plan};
 
 /// The most sweeps that a recorded schedule may have.
@@ -78,11 +77,11 @@ impl Progress {
 ///
 /// # Errors
 /// [`Error::Value`] where they are more than [`MOST_TURNS`].
-pub fn turns(plan: &Plan, schedule: &[Derive]) -> Result<Vec<Turn>, Error> {
+pub fn turns(plan: &Plan, schedule: &[Act]) -> Result<Vec<Turn>, Error> {
     let mut turns = Vec::new();
-    for derive in schedule {
-        let set = &plan.tables.rule_sets[derive.rule_set];
-        let stages = &set.stages;
+    for act in schedule {
+        let derive = act.rewrite();
+        let stages = &plan.tables.rule_sets[derive.rule_set].stages;
         let sweeps = u64::from(derive.count) * stages.len() as u64;
         if turns.len() as u64 + sweeps > MOST_TURNS as u64 {
             return Err(Error::Value(format!(
@@ -98,7 +97,7 @@ pub fn turns(plan: &Plan, schedule: &[Derive]) -> Result<Vec<Turn>, Error> {
                     (last, ENDS_STEP),
                     (last && step + 1 == derive.count, ENDS_DERIVE),
                     (derive.until_terminal, UNTIL_TERMINAL),
-                    (matches!(set.of, RulesOf::Trace(_)), STARTS),
+                    (matches!(act, Act::Trace { .. }), STARTS),
                 ];
                 turns.push(Turn {
                     stage: StageId { rule_set: derive.rule_set, stage: n },

@@ -187,7 +187,7 @@ pub fn write(writer: &mut dyn Write, words: &[&Word]) -> Result<(), WriteError> 
     let first = all.next();
     let without = |(word, symbol): (&&Word, usize)| word.symbols[symbol].fields.is_empty();
     // A module without parameters would be an empty row.
-    let several = first.is_some_and(|first| without(first))
+    let several = first.is_some_and(&without)
         || all.any(|other| first.is_some_and(|first| first.1 != other.1) || without(other));
     if let Some((word, first)) = first {
         let fields = &word.symbols[first].fields;
