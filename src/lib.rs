@@ -166,6 +166,7 @@ pub mod curve;
 pub mod gpu;
 pub mod io;
 pub mod language;
+pub mod mesh;
 pub mod patch;
 pub mod plan;
 #[cfg(feature = "gpu")]

@@ -7,13 +7,14 @@ use std::path::{Path, PathBuf};
 const ARROWS: &[(&str, &[&str])] = &[
     ("language", &[]),
     ("word", &["language"]),
+    ("mesh", &[]),
     ("patch", &["language", "word"]),
     ("curve", &["language", "word"]),
-    ("io", &["patch", "curve", "word", "tessellate", "language"]),
+    ("io", &["patch", "curve", "mesh", "word", "tessellate", "language"]),
     ("plan", &["language", "word", "patch", "curve"]),
     ("affine", &["language", "curve", "plan"]),
     ("tessellate", &["language", "patch"]),
-    ("cpu", &["language", "patch", "curve", "plan", "affine", "tessellate"]),
+    ("cpu", &["language", "patch", "curve", "mesh", "plan", "affine", "tessellate"]),
     ("codegen", &["language", "patch", "curve", "plan", "tessellate"]),
     ("gpu", &["language", "patch", "curve", "plan", "affine", "tessellate", "codegen"]),
     // The one place where CPU and GPU meet.

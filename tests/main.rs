@@ -21,6 +21,7 @@ mod io;
 #[cfg(feature = "gpu")]
 mod limits;
 mod lowering;
+mod mesh;
 #[cfg(feature = "gpu")]
 mod mutants;
 #[cfg(feature = "gpu")]

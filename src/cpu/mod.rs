@@ -17,6 +17,7 @@ pub mod match_modules;
 pub mod measure;
 pub mod motion;
 pub mod program;
+pub mod refine;
 pub mod retire;
 pub mod scan;
 pub mod stencil;

@@ -134,6 +134,11 @@ pub enum Problem {
     Corner { face: Element, found: String },
     #[error("{face} names the vertex {found}, but the file has {vertices}")]
     NoVertex { face: Element, found: String, vertices: usize },
+    #[error(
+        "`{found}` does not fit its tag: write `t crease 2/1/0 V W S`, `t corner 1/1/0 V S` or `t hole 1/0/0 F`, \
+         where S is a sharpness and vertices V, W and faces F are counted from 0"
+    )]
+    Tag { found: String },
     #[error("{line} has {found} of the two vertices that a line has at least")]
     ShortLine { line: Element, found: usize },
     #[error(transparent)]

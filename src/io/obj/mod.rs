@@ -1,12 +1,14 @@
-//! Wavefront `.obj`: triangle meshes out, the control points of B-splines in.
+//! Wavefront `.obj`: meshes out, polygons with their tags and the control points of B-splines in.
 
 mod chain;
 mod grid;
 mod lines;
+mod mesh;
 mod read;
 mod write;
 
 pub use grid::GridError;
+pub use mesh::{parse_mesh, read_mesh};
 pub use lines::{parse as lines, write as write_lines};
 pub use write::write;
 

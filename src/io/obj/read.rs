@@ -182,7 +182,7 @@ fn weighted(
 }
 
 /// The index of a corner, from 0. Negative ones count back from the vertices `before` the face.
-fn corner(token: &Token, face: Element, before: usize, vertices: usize) -> Result<u32, Wrong> {
+pub(super) fn corner(token: &Token, face: Element, before: usize, vertices: usize) -> Result<u32, Wrong> {
     let wrong = || token.wrong(Problem::Corner { face, found: token.shown() });
     let mut parts = token.text.split(|&byte| byte == b'/').map(|text| Token { text, offset: token.offset });
     let index: i64 = parts.next().and_then(|part| part.parse()).filter(|&i| i != 0).ok_or_else(wrong)?;
