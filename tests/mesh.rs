@@ -2,7 +2,7 @@
 
 mod golden;
 
-use burgeon::cpu::refine::Refiner;
+use burgeon::cpu::refine::{Limits, Refiner};
 use burgeon::io::obj;
 use burgeon::mesh::{Mesh, Options, Topology};
 use std::sync::Arc;
@@ -15,6 +15,16 @@ fn cage(name: &str) -> Mesh {
 
 fn topology(mesh: &Mesh, options: &Options) -> Arc<Topology> {
     Arc::new(Topology::new(mesh, options).unwrap_or_else(|e| panic!("{e}")))
+}
+
+/// Positions and normals of a level's vertices in the limit, on the CPU.
+fn limits(mesh: &Mesh, topology: &Arc<Topology>, level: u32) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
+    let mut refiner = Refiner::new(topology.clone(), level).unwrap_or_else(|e| panic!("{e}"));
+    let count = topology.counts(level).vertices as usize;
+    let (mut positions, mut normals) = (vec![[0.0; 3]; count], vec![[0.0; 3]; count]);
+    let mut out = Limits { positions: &mut positions, normals: &mut normals, tangents: None };
+    refiner.refine_limit(&mesh.positions, &mut out);
+    (positions, normals)
 }
 
 /// The positions of a level on the CPU.

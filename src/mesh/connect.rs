@@ -79,7 +79,11 @@ impl HalfEdges {
             true => HalfEdges { arity: arity as u32, vertices, ..HalfEdges::default() },
             false => HalfEdges {
                 starts: faces.starts().to_vec(),
-                faces: faces.iter().enumerate().flat_map(|(f, face)| face.iter().map(move |_| f as u32)).collect(),
+                faces: faces
+                    .iter()
+                    .enumerate()
+                    .flat_map(|(f, face)| face.iter().map(move |_| f as u32))
+                    .collect(),
                 vertices,
                 ..HalfEdges::default()
             },
@@ -331,7 +335,9 @@ impl Buckets {
         let from = from as usize;
         let own = &self.halves[self.starts[from] as usize..self.starts[from + 1] as usize];
         let own = match own.len() > Buckets::SHORT {
-            true => &own[own.partition_point(|&(end, _)| end < to)..own.partition_point(|&(end, _)| end <= to)],
+            true => {
+                &own[own.partition_point(|&(end, _)| end < to)..own.partition_point(|&(end, _)| end <= to)]
+            }
             false => own,
         };
         let mut found = (NONE, 0);

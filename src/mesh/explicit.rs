@@ -79,8 +79,7 @@ impl Visit for Points<'_> {
         let faces: Vec<Combination> =
             (0..self.old.face_count()).into_par_iter().map(|face| self.face::<S>(face)).collect();
         let firsts = self.old.firsts();
-        let edges: Vec<Combination> =
-            firsts.par_iter().map(|&half| self.edge::<S>(half, &faces)).collect();
+        let edges: Vec<Combination> = firsts.par_iter().map(|&half| self.edge::<S>(half, &faces)).collect();
         let vertices = (0..self.old.outgoing.len() as u32).into_par_iter();
         let mut points: Vec<Combination> = vertices.map(|vertex| self.vertex::<S>(vertex, &faces)).collect();
         points.extend(faces);

@@ -43,7 +43,11 @@ pub struct OptionsError {
 }
 
 /// Reads one of a list of words.
-pub(super) fn word<T: Copy>(what: &'static str, all: &[(&'static str, T)], found: &str) -> Result<T, OptionsError> {
+pub(super) fn word<T: Copy>(
+    what: &'static str,
+    all: &[(&'static str, T)],
+    found: &str,
+) -> Result<T, OptionsError> {
     let known = all.iter().find(|(name, _)| *name == found);
     known.map(|(_, value)| *value).ok_or_else(|| OptionsError {
         what,

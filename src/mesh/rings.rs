@@ -87,9 +87,11 @@ impl Rings {
             owner: place as u32,
         };
         self.points.push(vertex);
-        let other = |&(half, leaves): &(u32, bool)| if leaves { halves.end(half) } else { halves.origin(half) };
+        let other =
+            |&(half, leaves): &(u32, bool)| if leaves { halves.end(half) } else { halves.origin(half) };
         self.points.extend(around.iter().map(other));
-        self.points.extend(around[..faces].iter().map(|&(half, _)| halves.origin(half & !3 | (half + 2) & 3)));
+        self.points
+            .extend(around[..faces].iter().map(|&(half, _)| halves.origin(half & !3 | (half + 2) & 3)));
         if sharp {
             ring.sharp = self.first_edges.len() as u32;
             self.first_edges.push(self.edges.len() as u32);

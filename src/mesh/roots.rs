@@ -113,7 +113,8 @@ impl Roots {
             }
         }
         for root in 0..count {
-            let creases = std::array::from_fn(|k| roots.crease_of[roots.halves.edge((4 * root + k) as u32) as usize]);
+            let creases =
+                std::array::from_fn(|k| roots.crease_of[roots.halves.edge((4 * root + k) as u32) as usize]);
             if creases != [NONE; 4] {
                 roots.special_at(root).creases = creases;
             }

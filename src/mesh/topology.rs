@@ -97,9 +97,16 @@ pub struct FaceParent {
 pub enum VertexParent {
     Vertex(u32),
     /// Between two vertices of the mesh, so far along.
-    Edge { vertices: [u32; 2], at: f32 },
+    Edge {
+        vertices: [u32; 2],
+        at: f32,
+    },
     /// Inside a face: as in [`FaceParent`].
-    Face { face: u32, corner: Option<u32>, uv: [f32; 2] },
+    Face {
+        face: u32,
+        corner: Option<u32>,
+        uv: [f32; 2],
+    },
 }
 
 impl Topology {

@@ -3,8 +3,8 @@
 //! `NAME-SCHEME-OPTIONS.L<n>.xyz.gz` holds the positions of all vertices of level n, `.limit.xyz.gz` limit position and unit
 //! normal: OpenSubdiv 3.5. Orders differ, so the points are compared as sets.
 
-use super::{cage, positions, topology};
-use burgeon::mesh::{Boundary, Creasing, Options, Scheme};
+use super::{cage, limits, positions, topology};
+use burgeon::mesh::{Boundary, Creasing, NONE, Options, Rule, Scheme, Topology};
 use flate2::read::GzDecoder;
 use std::fs;
 use std::io::Read;
@@ -91,4 +91,68 @@ fn positions_are_those_of_the_golden_files() {
         let missing = matched(&expected, &found, within).iter().filter(|found| found.is_none()).count();
         assert_eq!(missing, 0, "{} of {} in {}", missing, expected.len(), case.file);
     }
+}
+
+/// At a crease or a corner a vertex has a normal for each sector of faces between sharp edges, and the files hold one of
+/// them: so a normal must be theirs wherever that of the file is the only one.
+#[test]
+fn limits_are_those_of_the_golden_files() {
+    let all = cases();
+    assert_eq!(all.iter().filter(|case| case.limit).count(), 23);
+    for case in all.iter().filter(|case| case.limit) {
+        let mesh = cage(&case.cage);
+        let expected = rows::<6>(&case.file);
+        let topology = topology(&mesh, &case.options);
+        let (points, normals) = limits(&mesh, &topology, case.level);
+        let found: Vec<[f64; 3]> = points.iter().map(|p| p.map(f64::from)).collect();
+        let within = 1e-6 * f64::from(mesh.size());
+        let positions: Vec<[f64; 3]> = expected.iter().map(|row| [row[0], row[1], row[2]]).collect();
+        let partners = matched(&positions, &found, within);
+        let missing = partners.iter().filter(|found| found.is_none()).count();
+        assert_eq!(missing, 0, "{} of {} in {}", missing, expected.len(), case.file);
+        let smooth = smooth_vertices(&topology, case.level);
+        let mut compared = 0;
+        for (row, partner) in expected.iter().zip(partners) {
+            let found = partner.expect("a partner");
+            let cosine: f64 = (0..3).map(|k| row[3 + k] * f64::from(normals[found][k])).sum();
+            if smooth[found] {
+                assert!(
+                    cosine > 1.0 - 1e-6,
+                    "{}: the normal of vertex {found} is off by {cosine}",
+                    case.file
+                );
+                compared += 1;
+            }
+        }
+        assert!(compared > 0 || case.cage == "creases_cube", "{}", case.file);
+    }
+}
+
+/// Whether all faces around a vertex of a level lie in one sector.
+fn smooth_vertices(topology: &Topology, level: u32) -> Vec<bool> {
+    let (roots, creases) = (&topology.roots, topology.creases(level).expect("creases"));
+    let s = 1usize << (level - topology.first_level());
+    let mut smooth = vec![true; topology.counts(level).vertices as usize];
+    // At a corner each face has a normal of its own.
+    for ring in topology.rings.rings.iter().filter(|ring| ring.sharp != NONE) {
+        if creases.last(ring).0 == Rule::Corner {
+            smooth[roots.corner(ring.vertex, s) as usize] = false;
+        }
+    }
+    for half in 0..roots.halves.len() as u32 {
+        let crease = roots.crease_of[roots.halves.edge(half) as usize];
+        if crease == NONE || roots.halves.twin(half).is_none() {
+            continue;
+        }
+        let (root, k) = (half as usize / 4, half as usize % 4);
+        let sharp = |piece: usize| creases.sharpness(crease as usize, creases.levels(), piece) > 0.0;
+        for t in 0..s {
+            let piece = if roots.halves.is_first(half) { t } else { s - 1 - t };
+            for at in [t, t + 1] {
+                let [x, y] = [[at, 0], [s, at], [s - at, s], [0, s - at]][k];
+                smooth[roots.vertex(root, x, y, s) as usize] &= !sharp(piece);
+            }
+        }
+    }
+    smooth
 }

@@ -12,6 +12,7 @@ mod gpu;
 mod gpu;
 mod kernels;
 mod measured;
+mod meshes;
 mod patches;
 mod report;
 mod systems;
@@ -26,7 +27,7 @@ use std::time::{Duration, Instant};
 use systems::{Plans, roots};
 
 /// The names a call may give.
-const NAMES: [&str; 15] = [
+const NAMES: [&str; 18] = [
     "copy",
     "expand",
     "flops",
@@ -37,6 +38,9 @@ const NAMES: [&str; 15] = [
     "curve/words",
     "word/context",
     "curve/stencil",
+    "mesh/first",
+    "mesh/frame",
+    "mesh/levels",
     "scan",
     "compact",
     "tessellate",
@@ -121,6 +125,7 @@ pub fn bench(flags: &flags::Bench) -> Result<(), Failure> {
     if wanted("curve/stencil") {
         curves::cpu_cases(&plans, &mut cases)?;
     }
+    meshes::cpu_cases(&wanted, &mut cases)?;
     if wanted("scan") || wanted("compact") {
         scan_cases(&mut cases);
         cases.retain(|c| wanted(c.name));

@@ -5,19 +5,21 @@
 //! nothing of each other.
 
 mod indices;
+mod limit;
 mod output;
 mod rings;
 mod tile;
 
-pub use indices::{quads, triangles};
+pub use indices::{quads, quads_into, triangles};
 
 use crate::mesh::schemes::{QuadScheme, Visit};
 use crate::mesh::{Creases, Topology, TopologyError};
 use glam::Vec4;
+use limit::LimitTile;
 use output::Output;
 use rayon::prelude::*;
 use std::sync::Arc;
-use tile::{GROWS, Tile};
+use tile::{GROWS, Tile, WIDEST};
 
 /// Refines a mesh whose vertices move, without allocating once it has run. It uses the threads of the pool of `rayon` that
 /// calls it.
@@ -42,6 +44,8 @@ use tile::{GROWS, Tile};
 pub struct Refiner {
     topology: Arc<Topology>,
     creases: Creases,
+    /// Of the last level, once they were asked for.
+    masks: Option<limit::Masks>,
     level: u32,
     points: Vec<Vec4>,
     rings: Vec<Vec4>,
@@ -50,6 +54,26 @@ pub struct Refiner {
 /// A level to be written: which, and its points.
 pub type Level<'a, const N: usize> = (u32, &'a mut [[f32; N]]);
 
+/// Where the vertices of the last level go in the limit. Where a vertex is on a crease or a corner, tangents and normal are
+/// those of the faces of the first root that has it. An edge that is still semi-sharp counts as sharp, as in OpenSubdiv.
+pub struct Limits<'a> {
+    pub positions: &'a mut [[f32; 3]],
+    /// Of unit length.
+    pub normals: &'a mut [[f32; 3]],
+    /// Two that the normal turns counter-clockwise from the first to the second, of any length.
+    pub tangents: Option<[&'a mut [[f32; 3]]; 2]>,
+}
+
+/// What is written of a level: its points, or a kind of [`limit::Values`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum What {
+    Points,
+    Limit(usize),
+}
+
+/// What is asked for: at which level, counted from the roots, what, and where to.
+type Wanted<'a, const N: usize> = (u32, What, &'a mut [[f32; N]]);
+
 impl Refiner {
     /// To refine to this level, or any before it.
     ///
@@ -57,7 +81,7 @@ impl Refiner {
     /// A level of more vertices than 32-bit indices can name.
     pub fn new(topology: Arc<Topology>, level: u32) -> Result<Refiner, TopologyError> {
         let creases = topology.creases(level)?;
-        Ok(Refiner { topology, creases, level, points: Vec::new(), rings: Vec::new() })
+        Ok(Refiner { topology, creases, masks: None, level, points: Vec::new(), rings: Vec::new() })
     }
 
     /// The points of the last level, from those of the mesh: positions, or other numbers that vertices have, up to four at
@@ -82,20 +106,48 @@ impl Refiner {
             let vertices = topology.counts(*level).vertices;
             assert_eq!(out.len() as u64, vertices, "a point for each vertex of level {level}");
         }
-        self.begin(mesh);
         let first = topology.first_level();
-        let mut wanted: Vec<(u32, &mut [[f32; N]])> = Vec::with_capacity(levels.len());
+        let mut wanted: Vec<Wanted<N>> = Vec::with_capacity(levels.len());
         for (level, out) in levels.iter_mut() {
             match level.checked_sub(first) {
-                Some(depth) => wanted.push((depth, out)),
+                Some(depth) => wanted.push((depth, What::Points, out)),
                 // The mesh itself, where its faces are no roots.
                 None => out.copy_from_slice(mesh),
             }
         }
-        wanted.sort_by_key(|(depth, _)| *depth);
+        wanted.sort_by_key(|(depth, ..)| *depth);
+        self.run(mesh, wanted);
+    }
+
+    /// The vertices of the last level in the limit.
+    ///
+    /// # Panics
+    /// As [`Refiner::refine`], and where the last level is that of a mesh whose faces are no quads.
+    pub fn refine_limit(&mut self, mesh: &[[f32; 3]], out: &mut Limits) {
+        let topology = self.topology.clone();
+        let vertices = topology.counts(self.level).vertices;
+        let depth = self.level.checked_sub(topology.first_level()).expect("a level of quads");
+        let mut wanted: Vec<Wanted<3>> =
+            vec![(depth, What::Limit(0), &mut *out.positions), (depth, What::Limit(3), &mut *out.normals)];
+        if let Some([along, across]) = &mut out.tangents {
+            wanted.extend([(depth, What::Limit(1), &mut **along), (depth, What::Limit(2), &mut **across)]);
+        }
+        for (.., out) in &wanted {
+            assert_eq!(out.len() as u64, vertices, "a point for each vertex of level {}", self.level);
+        }
+        if self.masks.is_none() {
+            self.masks = Some(limit::Masks::new(&topology, &self.creases));
+        }
+        self.run(mesh, wanted);
+    }
+
+    fn run<const N: usize>(&mut self, mesh: &[[f32; N]], wanted: Vec<Wanted<N>>) {
+        self.begin(mesh);
         let points = std::mem::take(&mut self.points);
         let rings = std::mem::take(&mut self.rings);
-        topology.options.scheme.visit(Run { refiner: self, points: &points, rings, wanted }).restore(self, points);
+        let run = Run { refiner: self, points: &points, rings, limits: Vec::new(), wanted };
+        self.rings = self.topology.options.scheme.visit(run);
+        self.points = points;
     }
 
     /// The points of the roots.
@@ -122,41 +174,41 @@ struct Run<'a, 'b, const N: usize> {
     refiner: &'a Refiner,
     points: &'a [Vec4],
     rings: Vec<Vec4>,
-    /// From the coarsest on, levels counted from the roots.
-    wanted: Vec<(u32, &'b mut [[f32; N]])>,
+    /// Of the vertices of rings, where any are asked for.
+    limits: Vec<limit::Values>,
+    /// From the coarsest level on.
+    wanted: Vec<Wanted<'b, N>>,
 }
 
-/// What a run gives back.
-struct Buffers(Vec<Vec4>);
-
-impl Buffers {
-    fn restore(self, refiner: &mut Refiner, points: Vec<Vec4>) {
-        (refiner.points, refiner.rings) = (points, self.0);
-    }
-}
-
+/// Gives the buffer of the rings back.
 impl<const N: usize> Visit for Run<'_, '_, N> {
-    type Output = Buffers;
+    type Output = Vec<Vec4>;
 
-    fn quads<S: QuadScheme>(mut self) -> Buffers {
+    fn quads<S: QuadScheme>(mut self) -> Vec<Vec4> {
         let (topology, creases) = (&*self.refiner.topology, &self.refiner.creases);
         self.rings.resize(topology.rings.points.len() * (creases.levels() + 1), Vec4::ZERO);
         rings::refine::<S>(topology, creases, self.points, &mut self.rings);
+        let is_limit = |(_, what, _): &Wanted<N>| *what != What::Points;
+        if let (Some(masks), true) = (&self.refiner.masks, self.wanted.iter().any(is_limit)) {
+            self.limits = masks.of_rings(topology, creases.levels(), &self.rings);
+        }
         // The finest levels at once: as many as a tile grows through.
-        while let Some(&(last, _)) = self.wanted.last() {
+        while let Some(&(last, ..)) = self.wanted.last() {
             let begin = last.saturating_sub(GROWS);
-            let split = self.wanted.partition_point(|(depth, _)| *depth < begin || *depth == begin && begin > 0);
+            let split =
+                self.wanted.partition_point(|(depth, ..)| *depth < begin || *depth == begin && begin > 0);
             let together = self.wanted.split_off(split);
             self.together::<S>(last, together);
         }
-        Buffers(self.rings)
+        self.rings
     }
 }
 
 impl<const N: usize> Run<'_, '_, N> {
     /// Levels that one tile goes through while it grows, up to `last`.
-    fn together<S: QuadScheme>(&self, last: u32, mut levels: Vec<(u32, &mut [[f32; N]])>) {
+    fn together<S: QuadScheme>(&self, last: u32, mut levels: Vec<Wanted<N>>) {
         let roots = &self.refiner.topology.roots;
+        let limits = levels.iter().any(|(_, what, _)| *what != What::Points);
         // Rows of blocks in a root.
         let bands = 1usize << last.saturating_sub(GROWS);
         // Roots that are done in one piece.
@@ -164,52 +216,55 @@ impl<const N: usize> Run<'_, '_, N> {
         let mut work: Vec<Piece<N>> = Vec::with_capacity(roots.len().div_ceil(block) * bands);
         for from in (0..roots.len()).step_by(block) {
             let to = (from + block).min(roots.len());
-            let own = levels.iter_mut().map(|(depth, rest)| {
+            let own = levels.iter_mut().map(|(depth, what, rest)| {
                 let s = 1usize << *depth;
                 let size = roots.base(to, s) - roots.base(from, s);
                 let (own, after) = std::mem::take(rest).split_at_mut(size);
                 *rest = after;
-                (*depth, own)
+                (*depth, *what, own)
             });
-            let own: Vec<_> = own.collect();
+            let own: Vec<Wanted<N>> = own.collect();
             if bands == 1 {
                 work.push(Piece::Roots { from, to, levels: own });
                 continue;
             }
-            let mut outputs: Vec<(u32, Output<N>)> = Vec::with_capacity(own.len());
-            outputs.extend(own.into_iter().map(|(depth, level)| (depth, Output::of(roots, from, 1 << depth, level).0)));
+            let own = own.into_iter();
+            let mut outputs: Vec<Owned<N>> = own
+                .map(|(depth, what, level)| (depth, what, Output::of(roots, from, 1usize << depth, level).0))
+                .collect();
             for band in 0..bands {
                 let mut here = Vec::with_capacity(outputs.len());
                 let mut rest = Vec::with_capacity(outputs.len());
-                for (depth, output) in outputs {
+                for (depth, what, output) in outputs {
                     let s = 1usize << depth;
                     if band + 1 == bands {
-                        here.push((depth, output));
+                        here.push((depth, what, output));
                         continue;
                     }
                     let (own, after) = output.split((band + 1) * s / bands, s);
-                    here.push((depth, own));
-                    rest.push((depth, after));
+                    here.push((depth, what, own));
+                    rest.push((depth, what, after));
                 }
                 outputs = rest;
                 work.push(Piece::Band { root: from, band, levels: here });
             }
         }
-        work.into_par_iter().for_each_init(Tile::new, |tile, piece| match piece {
+        let tiles = || (Tile::new(), LimitTile::new(if limits { WIDEST } else { 0 }));
+        work.into_par_iter().for_each_init(tiles, |tiles, piece| match piece {
             Piece::Roots { from, to, mut levels } => {
                 for root in from..to {
-                    let outputs = levels.iter_mut().map(|(depth, rest)| {
+                    let outputs = levels.iter_mut().map(|(depth, what, rest)| {
                         let (own, after) = Output::of(roots, root, 1 << *depth, std::mem::take(rest));
                         *rest = after;
-                        (*depth, own)
+                        (*depth, *what, own)
                     });
-                    self.block::<S>(tile, root, [0, 0], last, &mut outputs.collect::<Vec<_>>());
+                    self.block::<S>(tiles, root, [0, 0], last, &mut outputs.collect::<Vec<_>>());
                 }
             }
             Piece::Band { root, band, mut levels } => {
                 let size = 1usize << GROWS;
                 for x in 0..bands {
-                    self.block::<S>(tile, root, [x * size, band * size], last, &mut levels);
+                    self.block::<S>(tiles, root, [x * size, band * size], last, &mut levels);
                 }
             }
         });
@@ -218,17 +273,24 @@ impl<const N: usize> Run<'_, '_, N> {
     /// The block of the last level that begins at (x, y), and what comes before it.
     fn block<S: QuadScheme>(
         &self,
-        tile: &mut Tile,
+        (tile, limits): &mut (Tile, LimitTile),
         root: usize,
         [x, y]: [usize; 2],
         last: u32,
-        levels: &mut [(u32, Output<N>)],
+        levels: &mut [Owned<N>],
     ) {
-        let Refiner { topology, creases, .. } = self.refiner;
+        let Refiner { topology, creases, masks, .. } = self.refiner;
         tile.begin(topology, root, self.points, &self.rings, creases.levels());
         let mut write = |tile: &Tile, depth: u32| {
-            if let Some((_, output)) = levels.iter_mut().find(|(wanted, _)| *wanted == depth) {
-                output.write(tile);
+            let here = || levels.iter().filter(|(wanted, ..)| *wanted == depth);
+            if let (Some(masks), true) = (masks, here().any(|(_, what, _)| *what != What::Points)) {
+                limits.fill::<S>((topology, creases, masks), root, tile.place, &tile.points, &self.limits);
+            }
+            for (_, what, output) in levels.iter_mut().filter(|(wanted, ..)| *wanted == depth) {
+                match what {
+                    What::Points => output.write(tile.place, &tile.points),
+                    What::Limit(value) => output.write(tile.place, limits.of(*value)),
+                }
             }
         };
         write(tile, 0);
@@ -244,8 +306,11 @@ impl<const N: usize> Run<'_, '_, N> {
     }
 }
 
+/// What a root or a band of one owns of what is asked for.
+type Owned<'a, const N: usize> = (u32, What, Output<'a, N>);
+
 /// What one thread does at once.
 enum Piece<'a, const N: usize> {
-    Roots { from: usize, to: usize, levels: Vec<(u32, &'a mut [[f32; N]])> },
-    Band { root: usize, band: usize, levels: Vec<(u32, Output<'a, N>)> },
+    Roots { from: usize, to: usize, levels: Vec<Wanted<'a, N>> },
+    Band { root: usize, band: usize, levels: Vec<Owned<'a, N>> },
 }

@@ -1,6 +1,6 @@
 //! Where the points of a root go: what it owns of a level, in one piece of the level's buffer.
 
-use super::tile::{Place, Tile};
+use super::tile::Place;
 use crate::mesh::Roots;
 use glam::Vec4;
 
@@ -59,14 +59,13 @@ impl<'a, const N: usize> Output<'a, N> {
     }
 
     /// Takes from a tile what is owned here: all points of its quads but those that the next block has first.
-    pub fn write(&mut self, tile: &Tile) {
-        let place = tile.place;
+    pub fn write(&mut self, place: Place, points: &[Vec4]) {
         let Place { x, y, n, s } = place;
         for (k, corner) in self.corners.iter_mut().enumerate() {
             let at = [[0, 0], [s, 0], [s, s], [0, s]][k];
             let here = x <= at[0] && at[0] <= x + n && y <= at[1] && at[1] <= y + n;
             if let (Some(corner), true) = (corner, here) {
-                corner.copy_from_slice(&tile.points[place.index(at)].to_array()[..N]);
+                corner.copy_from_slice(&points[place.index(at)].to_array()[..N]);
             }
         }
         let rows = y.max(1)..y + n;
@@ -81,7 +80,7 @@ impl<'a, const N: usize> Output<'a, N> {
                     2 => ([at, s], s - at),
                     _ => ([0, at], s - at),
                 };
-                side[t - self.along[k]].copy_from_slice(&tile.points[place.index(point)].to_array()[..N]);
+                side[t - self.along[k]].copy_from_slice(&points[place.index(point)].to_array()[..N]);
             }
         }
         if columns.is_empty() {
@@ -90,7 +89,7 @@ impl<'a, const N: usize> Output<'a, N> {
         let m = s - 1;
         for row in rows {
             let out = &mut self.inside[(row - self.first) * m + columns.start - 1..][..columns.len()];
-            copy(&tile.points[place.index([columns.start, row])..][..columns.len()], out);
+            copy(&points[place.index([columns.start, row])..][..columns.len()], out);
         }
     }
 }

@@ -58,7 +58,10 @@ fn next<S: QuadScheme>(
     for i in 0..edges {
         let weight = weights.get(i).copied().unwrap_or(0.0);
         new[1 + i] = edge_point([vertex, ends[i]], weight, || {
-            S::edge([vertex, ends[i]], [faces[if i == 0 { count - 1 } else { i - 1 }], faces[if i < count { i } else { 0 }]])
+            S::edge(
+                [vertex, ends[i]],
+                [faces[if i == 0 { count - 1 } else { i - 1 }], faces[if i < count { i } else { 0 }]],
+            )
         });
     }
     new[0] = vertex_point::<S, Vec4>(&vertex, step, ring.weights, ends, faces);

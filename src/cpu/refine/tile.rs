@@ -11,6 +11,9 @@ use glam::Vec4;
 /// Levels that a block of the last one goes through as a tile that grows: what is wider is cut.
 pub const GROWS: u32 = 5;
 
+/// Points of the widest tile.
+pub const WIDEST: usize = ((1 << GROWS) + 3) * ((1 << GROWS) + 3);
+
 /// Where a tile stands on the grid of its root: `n × n` quads from (x, y), of `s × s`.
 #[derive(Clone, Copy, Debug)]
 pub struct Place {
@@ -57,13 +60,25 @@ pub struct Tile {
 
 impl Tile {
     pub fn new() -> Tile {
-        let (widest, first) = ((1usize << GROWS) + 3, Place { x: 0, y: 0, n: 1, s: 1 });
-        let points = || vec![Vec4::ZERO; widest * widest];
-        Tile { place: first, points: points(), next: points(), faces: vec![Vec4::ZERO; 2 * widest] }
+        let first = Place { x: 0, y: 0, n: 1, s: 1 };
+        let points = || vec![Vec4::ZERO; WIDEST];
+        Tile {
+            place: first,
+            points: points(),
+            next: points(),
+            faces: vec![Vec4::ZERO; 2 * ((1 << GROWS) + 3)],
+        }
     }
 
     /// The root itself.
-    pub fn begin(&mut self, topology: &Topology, root: usize, points: &[Vec4], rings: &[Vec4], levels: usize) {
+    pub fn begin(
+        &mut self,
+        topology: &Topology,
+        root: usize,
+        points: &[Vec4],
+        rings: &[Vec4],
+        levels: usize,
+    ) {
         let roots = &topology.roots;
         self.place = Place { x: 0, y: 0, n: 1, s: 1 };
         for (own, &point) in self.points.iter_mut().zip(&roots.neighbourhoods[root]) {
@@ -226,7 +241,8 @@ fn sized<S: QuadScheme, const N: usize>(points: &[Vec4], n: usize, next: &mut [V
         rest[0] = S::edge([q[0], q[1]], [above[0], below[0]]);
         let pairs = rest[1..].chunks_exact_mut(2);
         let beside = q.windows(3).zip(p[1..].iter().zip(&r[1..]));
-        for ((out, (f, g)), (q, (up, down))) in pairs.zip(above.windows(2).zip(below.windows(2))).zip(beside) {
+        for ((out, (f, g)), (q, (up, down))) in pairs.zip(above.windows(2).zip(below.windows(2))).zip(beside)
+        {
             out[0] = S::vertex(q[1], [q[0], q[2], *up, *down], [f[0], g[1], f[1], g[0]]);
             out[1] = S::edge([q[1], q[2]], [f[1], g[1]]);
         }

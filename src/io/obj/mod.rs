@@ -8,8 +8,8 @@ mod read;
 mod write;
 
 pub use grid::GridError;
-pub use mesh::{parse_mesh, read_mesh};
 pub use lines::{parse as lines, write as write_lines};
+pub use mesh::{parse_mesh, read_mesh};
 pub use write::write;
 
 use super::text::{ParseError, ReadError};

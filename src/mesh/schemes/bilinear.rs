@@ -30,6 +30,16 @@ impl QuadScheme for Bilinear {
         vertex
     }
 
+    #[inline(always)]
+    fn column<V: Vector>([up, middle, down]: [V; 3]) -> [V; 2] {
+        [middle, down - up]
+    }
+
+    #[inline(always)]
+    fn row<V: Vector>([[a, _], [c, d], [e, _]]: [[V; 2]; 3]) -> [V; 3] {
+        [c, e - a, d]
+    }
+
     /// The vertex itself; its tangents run along the sides of a face.
     fn limit(limit: &Limit) -> LimitMasks {
         corner(limit)

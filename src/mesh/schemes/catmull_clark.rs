@@ -30,6 +30,16 @@ impl QuadScheme for CatmullClark {
         [(n - 2.0) / n, 1.0 / (n * n)]
     }
 
+    #[inline(always)]
+    fn column<V: Vector>([up, middle, down]: [V; 3]) -> [V; 2] {
+        [(up.clone() + down.clone()) + middle * 4.0, down - up]
+    }
+
+    #[inline(always)]
+    fn row<V: Vector>([[a, b], [c, d], [e, f]]: [[V; 2]; 3]) -> [V; 3] {
+        [((a.clone() + e.clone()) + c * 4.0) * (1.0 / 36.0), e - a, (b + f) + d * 4.0]
+    }
+
     /// Smooth: Halstead, Kass and DeRose, *Efficient, Fair Interpolation using Catmull-Clark Surfaces* (1993); the tangents
     /// are the eigenvectors of the subdominant eigenvalue.
     fn limit(limit: &Limit) -> LimitMasks {

@@ -35,13 +35,13 @@ impl LimitMasks {
     }
 
     /// Position and tangents, from the points of a ring in this order.
-    pub fn apply(&self, points: &[[f32; 4]]) -> [[f64; 3]; 3] {
+    pub fn apply(&self, points: impl Iterator<Item = [f32; 4]>) -> [[f64; 3]; 3] {
         let mut sums = [[0.0f64; 3]; 3];
         let weights = std::iter::once(&self.vertex).chain(&self.edges).chain(&self.faces);
         for (weights, point) in weights.zip(points) {
             for (sum, w) in sums.iter_mut().zip(weights) {
                 for (sum, x) in sum.iter_mut().zip(point) {
-                    *sum += w * f64::from(*x);
+                    *sum += w * f64::from(x);
                 }
             }
         }
@@ -60,10 +60,7 @@ pub(super) fn corner(limit: &Limit) -> LimitMasks {
 
 /// A vertex on a crease, which is a cubic B-spline. `across` gives the weights of the tangent across it in a sector of k
 /// faces, two or more: of the vertex, of both ends of the crease, of the edges within, and of the faces.
-pub(super) fn crease(
-    limit: &Limit,
-    across: impl Fn(usize) -> (f64, f64, Vec<f64>, Vec<f64>),
-) -> LimitMasks {
+pub(super) fn crease(limit: &Limit, across: impl Fn(usize) -> (f64, f64, Vec<f64>, Vec<f64>)) -> LimitMasks {
     let mut masks = LimitMasks::zero(limit);
     let edges = limit.edges;
     let mut sharp = (0..edges).filter(|&i| limit.sharp[i] > 0.0);

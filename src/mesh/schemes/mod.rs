@@ -39,6 +39,13 @@ pub trait QuadScheme {
     /// its faces at the same level.
     fn limit(limit: &Limit) -> LimitMasks;
 
+    /// For the limit at a vertex of four quads, which is a tensor product: what its three rows make of a column of points.
+    fn column<V: Vector>(column: [V; 3]) -> [V; 2];
+
+    /// Position and tangents in the limit, along the row and along the column, from [`QuadScheme::column`] of the column
+    /// before, its own and the one after it.
+    fn row<V: Vector>(columns: [[V; 2]; 3]) -> [V; 3];
+
     /// A vertex on a crease, from itself and the other ends of its two sharp edges. Written so that its weights are powers
     /// of two.
     fn crease<V: Vector>(vertex: V, ends: [V; 2]) -> V {
