@@ -339,8 +339,9 @@ pub struct Devices {}
 #[derive(Args)]
 pub struct Bench {
     /// Which: copy, expand, flops, patch/step, patch/derive, curve/derive, curve/step, curve/words, curve/stencil,
-    /// word/context, mesh/first, mesh/frame, mesh/levels, scan, compact, tessellate, language; patch, curve and mesh for all of theirs; all of these if left out; and tessellate/crowd:
-    /// ten thousand copies of the patches before a moving camera
+    /// word/context, mesh/first, mesh/frame, mesh/levels, mesh/limit, scan, compact, tessellate, language; patch, curve
+    /// and mesh for all of theirs; all of these if left out; and tessellate/crowd: ten thousand copies of the patches
+    /// before a moving camera
     #[arg(value_name = "NAME")]
     pub names: Vec<String>,
     /// Patches to derive from, in place of 32 made ones

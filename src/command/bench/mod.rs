@@ -27,7 +27,7 @@ use std::time::{Duration, Instant};
 use systems::{Plans, roots};
 
 /// The names a call may give.
-const NAMES: [&str; 18] = [
+const NAMES: [&str; 19] = [
     "copy",
     "expand",
     "flops",
@@ -41,6 +41,7 @@ const NAMES: [&str; 18] = [
     "mesh/first",
     "mesh/frame",
     "mesh/levels",
+    "mesh/limit",
     "scan",
     "compact",
     "tessellate",

@@ -96,15 +96,14 @@ impl LimitTile {
             if special.creases[k] != NONE && place.touches(k) {
                 let forward = topology.roots.owns_side(root, k);
                 let sharp = |at: usize| {
-                    let t = if forward == (k >= 2) { place.s - at } else { at };
+                    let t = place.along(k, at, forward);
                     [t - 1, t].iter().all(|&i| creases.sharpness(special.creases[k] as usize, level, i) > 0.0)
                 };
                 self.side(masks, k, place, points, sharp);
             }
             let corner = special.corners[k].ring;
-            if corner != NONE && place.touches(k) && place.touches((k + 3) & 3) {
-                let s = place.s;
-                self.set(place.index([[0, 0], [s, 0], [s, s], [0, s]][k]), rings[corner as usize]);
+            if corner != NONE && place.has_corner(k) {
+                self.set(place.index(place.corner(k)), rings[corner as usize]);
             }
         }
     }
@@ -127,13 +126,8 @@ impl LimitTile {
         let width = place.n as isize + 3;
         let along = [1, width, -1, -width][k];
         let inward = [width, -1, -width, 1][k];
-        let begin = if k % 2 == 0 { place.x } else { place.y };
-        let s = place.s;
-        for at in begin.max(1)..=(begin + place.n).min(s - 1) {
-            if !sharp(at) {
-                continue;
-            }
-            let here = place.index([[at, 0], [s, at], [at, s], [0, at]][k]);
+        for at in place.inside_side(k, 0).filter(|&at| sharp(at)) {
+            let here = place.index(place.on_side(k, at));
             let p = |x: isize, y: isize| points[(here as isize + x * along + y * inward) as usize];
             let ring = [p(0, 0), p(1, 0), p(0, 1), p(-1, 0), p(1, 1), p(-1, 1)];
             self.set(here, applied(&masks.side, ring.into_iter()));

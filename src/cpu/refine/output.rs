@@ -61,26 +61,20 @@ impl<'a, const N: usize> Output<'a, N> {
     /// Takes from a tile what is owned here: all points of its quads but those that the next block has first.
     pub fn write(&mut self, place: Place, points: &[Vec4]) {
         let Place { x, y, n, s } = place;
+        let short =
+            |at: [usize; 2]| *points[place.index(at)].as_ref().first_chunk::<N>().expect("up to four");
         for (k, corner) in self.corners.iter_mut().enumerate() {
-            let at = [[0, 0], [s, 0], [s, s], [0, s]][k];
-            let here = x <= at[0] && at[0] <= x + n && y <= at[1] && at[1] <= y + n;
-            if let (Some(corner), true) = (corner, here) {
-                corner.copy_from_slice(&points[place.index(at)].to_array()[..N]);
+            if let (Some(corner), true) = (corner, place.has_corner(k)) {
+                **corner = short(place.corner(k));
             }
         }
+        // The block after this one has its last row and column first.
         let rows = y.max(1)..y + n;
         let columns = x.max(1)..x + n;
         for (k, side) in self.sides.iter_mut().enumerate() {
             let (Some(side), true) = (side, place.touches(k)) else { continue };
-            let range = if k % 2 == 0 { columns.clone() } else { rows.clone() };
-            for at in range {
-                let (point, t) = match k {
-                    0 => ([at, 0], at),
-                    1 => ([s, at], at),
-                    2 => ([at, s], s - at),
-                    _ => ([0, at], s - at),
-                };
-                side[t - self.along[k]].copy_from_slice(&points[place.index(point)].to_array()[..N]);
+            for at in [&columns, &rows, &columns, &rows][k].clone() {
+                side[place.along(k, at, true) - self.along[k]] = short(place.on_side(k, at));
             }
         }
         if columns.is_empty() {
@@ -94,7 +88,9 @@ impl<'a, const N: usize> Output<'a, N> {
     }
 }
 
-fn parted<'a, T>(side: Option<&'a mut [T]>, at: usize) -> (Option<&'a mut [T]>, Option<&'a mut [T]>) {
+type Half<'a, T> = Option<&'a mut [T]>;
+
+fn parted<T>(side: Half<T>, at: usize) -> (Half<T>, Half<T>) {
     match side.map(|side| side.split_at_mut(at)) {
         Some((before, after)) => (Some(before), Some(after)),
         None => (None, None),

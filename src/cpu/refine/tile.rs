@@ -44,6 +44,33 @@ impl Place {
         }
     }
 
+    /// The point of side `k` that stands at `at` on its axis.
+    pub fn on_side(self, k: usize, at: usize) -> [usize; 2] {
+        [[at, 0], [self.s, at], [at, self.s], [0, at]][k]
+    }
+
+    /// How far along side `k` in the direction of its edge that is. `forward`: the root runs along the edge.
+    pub fn along(self, k: usize, at: usize, forward: bool) -> usize {
+        // The last two sides run down their axes.
+        if forward == (k >= 2) { self.s - at } else { at }
+    }
+
+    /// The points inside side `k` that the tile has, and so many beyond its quads.
+    pub fn inside_side(self, k: usize, beyond: usize) -> std::ops::RangeInclusive<usize> {
+        let begin = [self.x, self.y, self.x, self.y][k];
+        begin.saturating_sub(beyond).max(1)..=(begin + self.n + beyond).min(self.s - 1)
+    }
+
+    /// Corner `k` of the root.
+    pub fn corner(self, k: usize) -> [usize; 2] {
+        [[0, 0], [self.s, 0], [self.s, self.s], [0, self.s]][k]
+    }
+
+    /// Whether the tile has corner `k` of its root.
+    pub fn has_corner(self, k: usize) -> bool {
+        self.touches(k) && self.touches((k + 3) & 3)
+    }
+
     /// Where point (x, y) of the root stands in the tile.
     pub fn index(self, [x, y]: [usize; 2]) -> usize {
         (y + 1 - self.y) * self.width() + x + 1 - self.x
@@ -136,30 +163,17 @@ impl Tile {
     ) {
         let (place, next) = (self.place, self.place.finer());
         let forward = roots.owns_side(root, k);
-        let s = next.s;
-        // What the tile has of the side, one point around it too, without the corners of the root.
-        let begin = if k % 2 == 0 { next.x } else { next.y };
-        let (low, high) = (begin.saturating_sub(1).max(1), (begin + next.n + 1).min(s - 1));
-        let point = |at: usize, s: usize| match k {
-            0 => [at, 0],
-            1 => [s, at],
-            2 => [at, s],
-            _ => [0, at],
-        };
-        // Along the side as the tile runs, not as the root does: masks are the same both ways.
-        let turned = k >= 2;
-        for at in low..=high {
-            let t = if forward == turned { s - at } else { at };
-            let weight = creases.weight(crease, level, t - 1);
+        for at in next.inside_side(k, 1) {
+            let weight = creases.weight(crease, level, next.along(k, at, forward) - 1);
             if weight <= 0.0 {
                 continue;
             }
-            let old = |at: usize| self.points[place.index(point(at, place.s))];
-            let out = &mut self.next[next.index(point(at, s))];
-            *out = match at % 2 {
-                1 => edge_point([old(at / 2), old(at / 2 + 1)], weight, || *out),
-                _ => {
-                    let i = at / 2;
+            // As the tile runs, not as the root does: masks are the same both ways.
+            let old = |at: usize| self.points[place.index(place.on_side(k, at))];
+            let out = &mut self.next[next.index(next.on_side(k, at))];
+            *out = match (at / 2, at & 1) {
+                (i, 1) => edge_point([old(i), old(i + 1)], weight, || *out),
+                (i, _) => {
                     let sharp = S::crease(old(i), [old(i - 1), old(i + 1)]);
                     if weight == 1.0 { sharp } else { *out * (1.0 - weight) + sharp * weight }
                 }
@@ -180,13 +194,12 @@ fn corners(
 ) {
     let width = place.width() as isize;
     for (k, corner) in special.corners.iter().enumerate() {
-        if corner.ring == NONE || !place.touches(k) || !place.touches((k + 3) & 3) {
+        if corner.ring == NONE || !place.has_corner(k) {
             continue;
         }
         let ring = &topology.rings.rings[corner.ring as usize];
         let own = &rings[ring.first as usize * (levels + 1) + level * ring.len()..][..ring.len()];
-        let s = place.s;
-        let at = place.index([[0, 0], [s, 0], [s, s], [0, s]][k]);
+        let at = place.index(place.corner(k));
         tile[at] = own[0];
         let outward = |k: usize| [-width, 1, width, -1][k & 3];
         for (beside, step) in corner.beside.into_iter().zip([outward(k), outward(k + 3)]) {

@@ -30,7 +30,8 @@ impl Combination {
                 (Some(x), Some(y)) if x.0 == y.0 => {
                     let (number, w) = *x;
                     terms.push((number, w + sign * y.1));
-                    (a.next(), b.next());
+                    a.next();
+                    b.next();
                 }
                 (Some(x), Some(y)) if x.0 < y.0 => terms.extend(a.next()),
                 (_, Some(_)) => terms.extend(b.next().map(|(number, w)| (number, sign * w))),
@@ -80,7 +81,7 @@ fn blended<V: Vector>(new: V, old: V, weight: f32) -> V {
 pub fn edge_point<V: Vector>(ends: [V; 2], weight: f32, smooth: impl FnOnce() -> V) -> V {
     let middle = |[a, b]: [V; 2]| (a + b) * 0.5;
     match weight {
-        w if w == 1.0 => middle(ends),
+        1.0 => middle(ends),
         w if w <= 0.0 => smooth(),
         w => blended(smooth(), middle(ends), w),
     }
