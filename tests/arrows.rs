@@ -15,8 +15,8 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("affine", &["language", "curve", "plan"]),
     ("tessellate", &["language", "patch"]),
     ("cpu", &["language", "patch", "curve", "mesh", "plan", "affine", "tessellate"]),
-    ("codegen", &["language", "patch", "curve", "plan", "tessellate"]),
-    ("gpu", &["language", "patch", "curve", "plan", "affine", "tessellate", "codegen"]),
+    ("codegen", &["language", "patch", "curve", "mesh", "plan", "tessellate"]),
+    ("gpu", &["language", "patch", "curve", "mesh", "plan", "affine", "tessellate", "codegen"]),
     // The one place where CPU and GPU meet.
     ("conformance", &["language", "patch", "io", "plan", "tessellate", "cpu", "codegen", "gpu"]),
     ("render", &["language", "patch", "plan", "tessellate", "codegen", "gpu", "io"]),

@@ -82,3 +82,19 @@ fn list(with_gl: bool) -> Vec<(String, Engine)> {
     };
     list.into_iter().map(named).collect()
 }
+
+/// All words of a buffer that can be copied.
+pub fn words(engine: &Engine, buffer: &wgpu::Buffer) -> Vec<u32> {
+    let staging = engine.device().create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: buffer.size(),
+        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let mut encoder = engine.device().create_command_encoder(&Default::default());
+    encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, buffer.size());
+    engine.queue().submit([encoder.finish()]);
+    staging.map_async(wgpu::MapMode::Read, .., |_| {});
+    engine.device().poll(wgpu::PollType::wait_indefinitely()).expect("a device");
+    bytemuck::pod_collect_to_vec(&staging.get_mapped_range(..).expect("a range"))
+}

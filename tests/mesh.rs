@@ -1,5 +1,7 @@
 //! Subdivision of meshes.
 
+#[cfg(feature = "gpu")]
+mod device;
 mod golden;
 
 use burgeon::cpu::refine::{Limits, Refiner};

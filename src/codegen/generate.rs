@@ -18,7 +18,7 @@ pub struct Text {
 }
 
 impl Text {
-    fn line(&mut self, line: impl Into<String>) {
+    pub fn line(&mut self, line: impl Into<String>) {
         self.lines.push((line.into(), None));
     }
     fn of_rule(&mut self, line: impl Into<String>, span: Span) {

@@ -5,11 +5,13 @@
 
 mod generate;
 mod link;
+mod refine;
 mod tessellation;
 mod unroll;
 
 #[doc(hidden)]
 pub use link::{Edit, GENERATED};
+pub use refine::{Around, Levels, Refinement, levels, refinement};
 pub use tessellation::{Tessellation, TessellationShaders, tessellation, tessellation_edited, vertices};
 
 use crate::language::Span;

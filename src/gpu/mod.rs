@@ -7,6 +7,7 @@ mod backend;
 mod buffers;
 mod headless;
 mod kernels;
+pub mod refine;
 mod report;
 pub mod run;
 mod scans;
@@ -58,6 +59,10 @@ pub enum Error {
     /// Buffers of the caller's that do not hold a slab, or may not be written.
     #[error("{0}")]
     Slab(String),
+    #[error(transparent)]
+    Mesh(#[from] crate::mesh::TopologyError),
+    #[error("{found} positions where the mesh has {expected} vertices")]
+    Vertices { found: usize, expected: usize },
     #[error("there are no rules: make the tessellation of a system (Tessellator::of_rules)")]
     NoRules,
     #[error("{found} control points where the patches have {expected}")]

@@ -290,9 +290,14 @@ impl Creases {
         self.sharpness[self.sharpness_at(crease, level, piece)]
     }
 
-    /// Whether one number says how sharp all pieces are.
-    pub fn is_uniform(&self, crease: usize) -> bool {
-        self.rows[crease].uniform
+    /// All weights, and where those of a crease begin among them; whether one a level serves all of its points.
+    pub fn weights(&self) -> &[f32] {
+        &self.weights
+    }
+
+    /// See [`Creases::weights`].
+    pub fn row(&self, crease: usize) -> (u32, bool) {
+        (self.rows[crease].weights, self.rows[crease].uniform)
     }
 
     /// Where the weights of a sharp ring at a level begin.

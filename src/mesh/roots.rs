@@ -192,6 +192,16 @@ impl Roots {
         self.halves.is_first((4 * root + k) as u32)
     }
 
+    /// The place of a vertex among the corners, and the root that owns it.
+    pub fn corner_place(&self, vertex: u32) -> (u32, u32) {
+        (self.rank[vertex as usize], self.corner_owner[vertex as usize])
+    }
+
+    /// The root that owns an edge.
+    pub fn edge_place(&self, edge: u32) -> u32 {
+        self.edge_owner[edge as usize]
+    }
+
     /// The number of a vertex of the roots at a level.
     pub fn corner(&self, vertex: u32, s: usize) -> u32 {
         let (owner, m) = (self.corner_owner[vertex as usize], s as u32 - 1);

@@ -22,21 +22,6 @@ fn buffer(engine: &Engine, words: usize, usage: BufferUsages) -> wgpu::Buffer {
     buffer
 }
 
-fn words(engine: &Engine, buffer: &wgpu::Buffer) -> Vec<u32> {
-    let staging = engine.device().create_buffer(&wgpu::BufferDescriptor {
-        label: None,
-        size: buffer.size(),
-        usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
-    let mut encoder = engine.device().create_command_encoder(&Default::default());
-    encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, buffer.size());
-    engine.queue().submit([encoder.finish()]);
-    staging.map_async(wgpu::MapMode::Read, .., |_| {});
-    engine.device().poll(wgpu::PollType::wait_indefinitely()).expect("a device");
-    bytemuck::pod_collect_to_vec(&staging.get_mapped_range(..).expect("a range"))
-}
-
 const STORAGE: BufferUsages = BufferUsages::STORAGE;
 
 /// Room for 4,000 vertices of 12 bytes, 20,000 indices and three draws, in buffers of their own.
@@ -58,8 +43,11 @@ fn bare() -> Options {
 
 /// What lies between two places is the frame's, and what the draw says is where it lies.
 fn holds(engine: &Engine, slab: &Slab, plain: &Frame) {
-    let (vertices, indices, draws) =
-        (words(engine, &slab.vertices), words(engine, &slab.indices), words(engine, &slab.draws));
+    let (vertices, indices, draws) = (
+        device::words(engine, &slab.vertices),
+        device::words(engine, &slab.indices),
+        device::words(engine, &slab.draws),
+    );
     let [first, index] = [slab.first_vertex as usize * 3, slab.first_index as usize];
     assert_eq!(vertices[first..first + plain.vertices.len()], plain.vertices);
     assert_eq!(indices[index..index + plain.indices.len()], plain.indices);
@@ -77,8 +65,8 @@ pub fn difference(engine: &Engine) -> Option<String> {
     let slab = Slab { first_vertex: 101, first_index: 301, draw_offset: 24, ..slab(engine) };
     gpu.set_slab(&slab, &Capacity::of(&plain.status)).expect("a slab");
     submit(engine, &mut gpu);
-    let indices = words(engine, &slab.indices)[301..301 + plain.indices.len()].to_vec();
-    let draw = words(engine, &slab.draws)[6..11].to_vec();
+    let indices = device::words(engine, &slab.indices)[301..301 + plain.indices.len()].to_vec();
+    let draw = device::words(engine, &slab.draws)[6..11].to_vec();
     let expected = [plain.indices.len() as u32, 1, 301, 101, 0];
     (draw != expected || indices != plain.indices).then(|| format!("{draw:?} or an index"))
 }
@@ -111,7 +99,7 @@ fn two_sets_share_a_slab_and_write_nothing_beside_theirs() {
         );
         both.push((all.clone(), plain));
     }
-    let mut left = [&all.vertices, &all.indices, &all.draws].map(|b| words(&engine, b));
+    let mut left = [&all.vertices, &all.indices, &all.draws].map(|b| device::words(&engine, b));
     for (slab, plain) in &both {
         holds(&engine, slab, plain);
         let (v, i) = (slab.first_vertex as usize * 3, slab.first_index as usize);
@@ -139,9 +127,9 @@ fn a_slab_without_room_is_left_and_a_grown_one_is_filled() {
         gpu.set_slab(&slab, &room).expect("a slab");
         let frame = submit(&engine, &mut gpu);
         assert_eq!((frame.status.skipped, frame.draw.index_count), (1, 0));
-        assert!(words(&engine, &slab.vertices).iter().all(|&word| word == CANARY));
-        assert!(words(&engine, &slab.indices).iter().all(|&word| word == CANARY));
-        let mut draws = words(&engine, &slab.draws);
+        assert!(device::words(&engine, &slab.vertices).iter().all(|&word| word == CANARY));
+        assert!(device::words(&engine, &slab.indices).iter().all(|&word| word == CANARY));
+        let mut draws = device::words(&engine, &slab.draws);
         assert_eq!(draws[5..10], [0; 5], "nothing is drawn");
         draws[5..10].fill(CANARY);
         assert_eq!(draws, [CANARY; 15]);
