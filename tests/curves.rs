@@ -313,9 +313,9 @@ const MUTANTS: &[mutants::Mutant] = &[
     ("claim", "select(status.claimed, 0u, extent.before == 0u)", "0u"),
     ("compositions", "composed(before, partial[local])", "composed(partial[local], before)"),
     ("compositions", "return partial[local - 1u];", "return partial[local];"),
-    ("claim", "state = after(here, state)", "state = 0u"),
+    ("compositions", "state = composed(state, here)", "state = identity()"),
     ("claim", "rules[i] = KEEP + 1u", "rules[i] = KEEP"),
-    ("claim", "status.claimed = after(inclusive, entered)", "status.claimed = 0u"),
+    ("claim", "status.claimed = after(all, 0u)", "status.claimed = 0u"),
 ];
 
 #[cfg(feature = "gpu")]

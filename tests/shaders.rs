@@ -517,10 +517,10 @@ fn an_error_in_a_file_names_the_file_and_the_line() {
         ("extent", "wgsl/shared/extent.wgsl", "needed_finished: atomic<u32>", "needed_finished: atom<u32>"),
         ("rows", "wgsl/shared/rows.wgsl", "var line = row;", "var line = rows;"),
         (
-            "spine",
-            "wgsl/shared/spine.wgsl",
-            "var running = inclusive - sum;",
-            "var running = inclusive - 1i;",
+            "compositions",
+            "wgsl/shared/compositions.wgsl",
+            "let each = (tiles + WORKGROUP - 1u) / WORKGROUP;",
+            "let each = (tiles + WORKGROUP - 1i) / WORKGROUP;",
         ),
         (
             "retire",

@@ -46,7 +46,7 @@ fn next_state(state: u32, rule: u32) -> u32 {
 }
 
 // What an invocation's modules do to a state.
-fn function_of(start: u32, end: u32) -> u32 {
+fn element_of(start: u32, end: u32) -> u32 {
   var f = identity();
   for (var i = start; i < end; i++) {
     let rule = rules[i];
@@ -59,45 +59,22 @@ fn function_of(start: u32, end: u32) -> u32 {
   return f;
 }
 
-@compute @workgroup_size(WORKGROUP)
-fn reduce(
-  @builtin(workgroup_id) group: vec3u,
-  @builtin(num_workgroups) groups: vec3u,
-  @builtin(local_invocation_index) local: u32,
-) {
-  let tile = tile_of(group, groups);
-  let start = min(tile * TILE + local * ITEMS, extent.count);
-  let f = workgroup_composed(local, function_of(start, min(start + ITEMS, extent.count)));
-  if local == WORKGROUP - 1u && tile < tile_count(extent.count) {
-    sums[tile] = f;
-  }
+fn kept(tile: u32) -> u32 {
+  return sums[tile];
 }
 
-// The state in which each tile begins; the state behind the last goes to the next chunk.
-@compute @workgroup_size(WORKGROUP)
-fn spine(@builtin(local_invocation_index) local: u32) {
-  let tiles = tile_count(extent.count);
-  let each = (tiles + WORKGROUP - 1u) / WORKGROUP;
-  let start = min(local * each, tiles);
-  let end = min(start + each, tiles);
-  var f = identity();
-  for (var t = start; t < end; t++) {
-    f = composed(f, sums[t]);
-  }
-  let inclusive = workgroup_composed(local, f);
-  let before = before_of(local);
-  let entered = select(status.claimed, 0u, extent.before == 0u);
-  var state = after(before, entered);
-  for (var t = start; t < end; t++) {
-    let here = sums[t];
-    sums[t] = state;
-    state = after(here, state);
-  }
-  storageBarrier();
-  workgroupBarrier();
-  if local == WORKGROUP - 1u {
-    status.claimed = after(inclusive, entered);
-  }
+fn keep(tile: u32, f: u32) {
+  sums[tile] = f;
+}
+
+// The function that leads to the state in which the chunk begins, from whatever state.
+fn entered() -> u32 {
+  return 0x249249u * select(status.claimed, 0u, extent.before == 0u);
+}
+
+// The state behind the last module goes to the next chunk.
+fn leave(all: u32) {
+  status.claimed = after(all, 0u);
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -106,16 +83,14 @@ fn claim(
   @builtin(num_workgroups) groups: vec3u,
   @builtin(local_invocation_index) local: u32,
 ) {
-  let tile = tile_of(group, groups);
-  let start = min(tile * TILE + local * ITEMS, extent.count);
-  let end = min(start + ITEMS, extent.count);
-  let inclusive = workgroup_composed(local, function_of(start, end));
+  let own = own_of(group, groups, local);
+  let inclusive = workgroup_composed(local, element_of(own.start, own.end));
   let before = before_of(local);
-  if tile >= tile_count(extent.count) {
+  if own.tile >= tile_count(extent.count) {
     return;
   }
-  var state = after(before, sums[tile]);
-  for (var i = start; i < end; i++) {
+  var state = after(before, after(sums[own.tile], 0u));
+  for (var i = own.start; i < own.end; i++) {
     let rule = rules[i];
     if state > 0u {
       rules[i] = KEEP + 1u;

@@ -23,7 +23,7 @@ fn identity() -> Motion {
 }
 
 // What an invocation's modules do together.
-fn motion_of(start: u32, end: u32) -> Motion {
+fn element_of(start: u32, end: u32) -> Motion {
   var motion = still();
   for (var i = start; i < end; i++) {
     motion = then_module(motion, read_record(i));
@@ -31,47 +31,24 @@ fn motion_of(start: u32, end: u32) -> Motion {
   return motion;
 }
 
-@compute @workgroup_size(WORKGROUP)
-fn reduce(
-  @builtin(workgroup_id) group: vec3u,
-  @builtin(num_workgroups) groups: vec3u,
-  @builtin(local_invocation_index) local: u32,
-) {
-  let tile = tile_of(group, groups);
-  let start = min(tile * TILE + local * ITEMS, extent.count);
-  let motion = workgroup_composed(local, motion_of(start, min(start + ITEMS, extent.count)));
-  if local == WORKGROUP - 1u && tile < tile_count(extent.count) {
-    motions[tile] = motion;
-  }
+fn kept(tile: u32) -> Motion {
+  return motions[tile];
 }
 
-// The state in which each tile begins.
-@compute @workgroup_size(WORKGROUP)
-fn spine(@builtin(local_invocation_index) local: u32) {
-  let tiles = tile_count(extent.count);
-  let each = (tiles + WORKGROUP - 1u) / WORKGROUP;
-  let start = min(local * each, tiles);
-  let end = min(start + each, tiles);
-  var motion = still();
-  for (var t = start; t < end; t++) {
-    motion = composed(motion, motions[t]);
-  }
-  let inclusive = workgroup_composed(local, motion);
-  var entered = still();
+fn keep(tile: u32, motion: Motion) {
+  motions[tile] = motion;
+}
+
+// The state in which the chunk begins; that behind its last module goes to the next one.
+fn entered() -> Motion {
   if extent.before > 0u {
-    entered = carried[0];
+    return carried[0];
   }
-  var state = composed(entered, before_of(local));
-  for (var t = start; t < end; t++) {
-    let here = motions[t];
-    motions[t] = state;
-    state = composed(state, here);
-  }
-  storageBarrier();
-  workgroupBarrier();
-  if local == WORKGROUP - 1u {
-    carried[0] = composed(entered, inclusive);
-  }
+  return still();
+}
+
+fn leave(all: Motion) {
+  carried[0] = all;
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -80,16 +57,14 @@ fn turtle(
   @builtin(num_workgroups) groups: vec3u,
   @builtin(local_invocation_index) local: u32,
 ) {
-  let tile = tile_of(group, groups);
-  let start = min(tile * TILE + local * ITEMS, extent.count);
-  let end = min(start + ITEMS, extent.count);
-  let inclusive = workgroup_composed(local, motion_of(start, end));
+  let own = own_of(group, groups, local);
+  let inclusive = workgroup_composed(local, element_of(own.start, own.end));
   let before = before_of(local);
-  if tile >= tile_count(extent.count) {
+  if own.tile >= tile_count(extent.count) {
     return;
   }
-  var state = composed(motions[tile], before);
-  for (var i = start; i < end; i++) {
+  var state = composed(motions[own.tile], before);
+  for (var i = own.start; i < own.end; i++) {
     let next = then_module(state, read_record(i));
     if BEFORE {
       write_row(i, state);

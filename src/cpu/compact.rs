@@ -1,9 +1,7 @@
 //! The indices of the elements that equal `wanted`, in ascending order.
 
+use super::tiles::TILE;
 use rayon::prelude::*;
-
-/// Elements of one tile.
-const TILE: usize = 1 << 14;
 
 /// Replaces `indices`.
 pub fn compact(source: &[u32], wanted: u32, indices: &mut Vec<u32>) {

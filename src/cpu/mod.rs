@@ -24,6 +24,7 @@ pub mod stencil;
 mod sums;
 mod sweep;
 pub mod tessellate;
+mod tiles;
 pub mod turtle;
 pub mod turtle_linked;
 

@@ -1,20 +1,13 @@
 //! Exclusive prefix sum: reduce tiles, scan the sums, scan the tiles. Sums wrap at 2^32.
 
+use super::tiles::{TILE, befores};
 use rayon::prelude::*;
-
-/// Elements of one tile.
-const TILE: usize = 1 << 14;
 
 /// Fills `offsets`, which is one longer than `counts`: the last entry is the total.
 pub fn scan(counts: &[u32], offsets: &mut [u32]) {
     let sum = |tile: &[u32]| tile.iter().fold(0u32, |s, &c| s.wrapping_add(c));
     let mut sums: Vec<u32> = counts.par_chunks(TILE).map(sum).collect();
-    let mut total = 0u32;
-    for s in &mut sums {
-        let here = *s;
-        *s = total;
-        total = total.wrapping_add(here);
-    }
+    let total = befores(&mut sums, 0, |a, b| a.wrapping_add(*b));
     let (last, body) = offsets.split_last_mut().expect("offsets are one longer than counts");
     *last = total;
     body.par_chunks_mut(TILE).zip(counts.par_chunks(TILE)).zip(&sums).for_each(|((out, tile), &base)| {

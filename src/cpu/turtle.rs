@@ -1,12 +1,10 @@
 //! Where the turtle stands at each module: a scan of rigid motions, by tiles as `scan` sums.
 
 use super::motion::{Motion, STILL};
+use super::tiles::{TILE, befores};
 use crate::plan::layout::Layout;
 use crate::plan::turtle::{ROW_WORDS, Turtle};
 use rayon::prelude::*;
-
-/// Modules of one tile.
-const TILE: usize = 1 << 14;
 
 /// Fills `out`, a row a module; `entered` is the state before the first. Returned is that behind the last.
 pub fn turtle(turtle: &Turtle, layout: &Layout, records: &[u32], entered: Motion, out: &mut [u32]) -> Motion {
@@ -14,15 +12,10 @@ pub fn turtle(turtle: &Turtle, layout: &Layout, records: &[u32], entered: Motion
     let of_tile = |tile: &[u32]| {
         tile.chunks_exact(words).fold(STILL, |motion, record| motion.then_module(turtle, record))
     };
-    let mut befores: Vec<Motion> = records.par_chunks(TILE * words).map(of_tile).collect();
-    let mut state = entered;
-    for motion in &mut befores {
-        let here = *motion;
-        *motion = state;
-        state = state.then(&here);
-    }
+    let mut motions: Vec<Motion> = records.par_chunks(TILE * words).map(of_tile).collect();
+    let last = befores(&mut motions, entered, Motion::then);
     let tiles = out.par_chunks_mut(TILE * ROW_WORDS).zip(records.par_chunks(TILE * words));
-    tiles.zip(&befores).for_each(|((rows, tile), &before)| {
+    tiles.zip(&motions).for_each(|((rows, tile), &before)| {
         let mut state = before;
         for (row, record) in rows.chunks_exact_mut(ROW_WORDS).zip(tile.chunks_exact(words)) {
             let next = state.then_module(turtle, record);
@@ -30,5 +23,5 @@ pub fn turtle(turtle: &Turtle, layout: &Layout, records: &[u32], entered: Motion
             state = next;
         }
     });
-    state
+    last
 }

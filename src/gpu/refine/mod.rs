@@ -180,7 +180,7 @@ impl Refiner {
             let sides = uploaded(engine, "burgeon sides of roots", bytemuck::cast_slice(&sides))?;
             let owned = uploaded(engine, "burgeon corners of roots", bytemuck::cast_slice(&owned))?;
             // As many roots at once as one binding holds faces of.
-            let a_root = 4 * corners << (2 * depth);
+            let a_root = (4 * corners) << (2 * depth);
             let most = engine.device.limits().max_storage_buffer_binding_size / a_root;
             let chunk = (most.max(1) as usize).next_power_of_two().min(1 << 24) / 2;
             let solid = topology.roots.solid;
