@@ -3,6 +3,8 @@
 #[cfg(feature = "gpu")]
 mod device;
 mod golden;
+#[cfg(feature = "gpu")]
+mod mutants;
 
 use burgeon::cpu::refine::{Limits, Refiner};
 use burgeon::io::obj;

@@ -15,7 +15,7 @@ pub fn sample(list: &[Mutant]) -> Vec<Mutant> {
 
 /// Where a file of the kernels is.
 fn path_of(file: &str) -> String {
-    ["wgsl/tessellate/shared", "wgsl/tessellate", "wgsl/shared", "wgsl"]
+    ["wgsl/tessellate/shared", "wgsl/tessellate", "wgsl/refine/shared", "wgsl/refine", "wgsl/shared", "wgsl"]
         .map(|folder| format!("{folder}/{file}.wgsl"))
         .into_iter()
         .find(|path| Path::new(path).exists())

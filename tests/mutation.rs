@@ -457,8 +457,10 @@ fn every_file_has_mutants() {
         for entry in std::fs::read_dir(folder).expect("the kernels") {
             let path = entry.expect("an entry").path();
             let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            // What measures a device derives nothing, and the picture has tests of its own.
-            let other = ["copy", "expand", "picture", "shared", "tessellate"].contains(&name.as_str());
+            // What measures a device derives nothing; the picture, the tessellation and the refinement have tests of
+            // their own.
+            let other =
+                ["copy", "expand", "picture", "shared", "tessellate", "refine"].contains(&name.as_str());
             let count = all.iter().filter(|m| m.0 == name).count()
                 + crate::runs::mutants_of(&name)
                 + crate::curves::mutants_of(&name)

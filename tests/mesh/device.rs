@@ -1,7 +1,7 @@
 //! A device refines as the CPU does, to the bit.
 
 use super::{cage, topology};
-use crate::device;
+use crate::{device, tier};
 use burgeon::cpu::refine::{self, Level};
 use burgeon::gpu::Engine;
 use burgeon::gpu::refine::{Faces, Refiner};
@@ -11,7 +11,7 @@ const CAGES: [&str; 6] =
     ["cube", "torus_16", "boundary_grid_3", "creases_cube", "creases_box_8", "creases_random_8"];
 
 /// All levels up to this one on the CPU, level 0 too.
-fn on_cpu(mesh: &Mesh, topology: &std::sync::Arc<Topology>, last: u32) -> Vec<Vec<[f32; 3]>> {
+pub fn on_cpu(mesh: &Mesh, topology: &std::sync::Arc<Topology>, last: u32) -> Vec<Vec<[f32; 3]>> {
     let mut refiner = refine::Refiner::new(topology.clone(), last).expect("a refiner");
     let count = |level| topology.counts(level).vertices as usize;
     let mut out: Vec<Vec<[f32; 3]>> = (0..=last).map(|level| vec![[0.0; 3]; count(level)]).collect();
@@ -20,13 +20,14 @@ fn on_cpu(mesh: &Mesh, topology: &std::sync::Arc<Topology>, last: u32) -> Vec<Ve
     out
 }
 
-fn frame(engine: &Engine, refiner: &Refiner) {
+/// Submits a frame.
+pub fn submit(engine: &Engine, refiner: &Refiner) {
     let mut encoder = engine.device().create_command_encoder(&Default::default());
     refiner.encode(&mut encoder);
     engine.queue().submit([encoder.finish()]);
 }
 
-fn bits(points: &[[f32; 3]]) -> Vec<[u32; 3]> {
+pub fn bits(points: &[[f32; 3]]) -> Vec<[u32; 3]> {
     points.iter().map(|p| p.map(f32::to_bits)).collect()
 }
 
@@ -50,13 +51,12 @@ fn every_level_is_that_of_the_cpu() {
             let options = Options { creasing, ..Options::default() };
             let topology = topology(&mesh, &options);
             let expected = on_cpu(&mesh, &topology, 4);
-            for (levels, chunk) in
-                [(vec![4], usize::MAX), (vec![3], 7), (vec![1], 1), (vec![2], 3), ((0..=4).collect(), 64)]
-            {
+            let all = tier::cases(vec![], vec![(vec![1], 1), (vec![2], 3), (vec![4], usize::MAX)]);
+            for (levels, chunk) in [(vec![3], 7), ((0..=4).collect(), 64)].into_iter().chain(all) {
                 let chunk = chunk.max(topology.roots.len() / 8);
                 let refiner = Refiner::in_chunks(&engine, &topology, &levels, chunk).expect("a refiner");
                 refiner.set(&mesh.positions).expect("positions");
-                frame(&engine, &refiner);
+                submit(&engine, &refiner);
                 for level in levels {
                     let found = refiner.read(level).expect("a level");
                     let what = format!("{name}, {creasing}, level {level} in chunks of {chunk}");
@@ -75,7 +75,7 @@ fn bilinear_levels_are_those_of_the_cpu() {
     let topology = topology(&mesh, &Options { scheme: Scheme::Bilinear, ..Options::default() });
     let refiner = Refiner::new(&engine, &topology, &[3]).expect("a refiner");
     refiner.set(&mesh.positions).expect("positions");
-    frame(&engine, &refiner);
+    submit(&engine, &refiner);
     let expected = on_cpu(&mesh, &topology, 3);
     assert_same("bilinear", &expected[3], &refiner.read(3).expect("a level"));
 }

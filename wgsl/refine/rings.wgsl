@@ -46,7 +46,8 @@ fn smooth_vertex(r: Ring, old: u32, new_: u32) -> vec3f {
   let p = rings[old].xyz;
   let e = old + 1u;
   let f = new_ + 1u + r.edges;
-  if r.faces == 4u && r.edges == 4u {
+  // What is smooth has no border.
+  if r.faces == 4u {
     return inner(
       p, rings[e].xyz, rings[e + 2u].xyz, rings[e + 1u].xyz, rings[e + 3u].xyz,
       rings[f].xyz, rings[f + 2u].xyz, rings[f + 1u].xyz, rings[f + 3u].xyz,
