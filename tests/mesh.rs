@@ -1,6 +1,8 @@
 //! Subdivision of meshes.
 
 mod golden;
+mod random;
+mod surface;
 
 use burgeon::cpu::refine::{Limits, Refiner};
 use burgeon::io::obj;
