@@ -1,5 +1,6 @@
 //! Subdivision of meshes.
 
+mod bad;
 mod golden;
 mod random;
 mod surface;
