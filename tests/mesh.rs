@@ -1,10 +1,13 @@
 //! Subdivision of meshes.
 
+mod bad;
 #[cfg(feature = "gpu")]
 mod device;
 mod golden;
 #[cfg(feature = "gpu")]
 mod mutants;
+mod random;
+mod surface;
 
 use burgeon::cpu::refine::{Limits, Refiner};
 use burgeon::io::obj;

@@ -4,6 +4,7 @@
 //! normal: OpenSubdiv 3.5. Orders differ, so the points are compared as sets.
 
 use super::{cage, limits, positions, topology};
+use crate::oracle::mesh::Level;
 use burgeon::mesh::{Boundary, Creasing, NONE, Options, Rule, Scheme, Topology};
 use flate2::read::GzDecoder;
 use std::fs;
@@ -88,6 +89,21 @@ fn positions_are_those_of_the_golden_files() {
         assert_eq!(found.len(), expected.len(), "{}", case.file);
         let found: Vec<[f64; 3]> = found.iter().map(|p| p.map(f64::from)).collect();
         let within = 1e-6 * f64::from(mesh.size());
+        let missing = matched(&expected, &found, within).iter().filter(|found| found.is_none()).count();
+        assert_eq!(missing, 0, "{} of {} in {}", missing, expected.len(), case.file);
+    }
+}
+
+/// So the oracle, which random meshes are compared with, is right where these are.
+#[test]
+fn the_oracle_is_at_the_golden_positions() {
+    for case in cases().iter().filter(|case| !case.limit) {
+        let mesh = cage(&case.cage);
+        let expected = rows::<3>(&case.file);
+        let found = Level::refined(&mesh, &case.options, case.level).points;
+        assert_eq!(found.len(), expected.len(), "{}", case.file);
+        // As exact as the numbers of the mesh are, which are rounded to f32.
+        let within = 1e-7 * f64::from(mesh.size());
         let missing = matched(&expected, &found, within).iter().filter(|found| found.is_none()).count();
         assert_eq!(missing, 0, "{} of {} in {}", missing, expected.len(), case.file);
     }

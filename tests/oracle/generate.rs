@@ -1,10 +1,11 @@
-//! Random patch systems as text, each from a seed that reproduces it.
+//! Random patch systems as text, each from a seed that reproduces it; curve systems; meshes.
 //!
 //! Inputs are nets of small integers, so that a few levels are exact in f32. The schedules are
 //! drawn until the oracle finds the growth bounded.
 
 pub mod curve;
 mod expression;
+pub mod mesh;
 mod random;
 mod system;
 

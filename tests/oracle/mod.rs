@@ -3,9 +3,9 @@
 //! It is written from the requirement alone and shares nothing with `src/` beyond the parser and
 //! the tree: words are lists, blocks are recursion, nets are dense products with the paper's
 //! matrices. Where an engine and the oracle differ, the requirement is read again. Curve systems have
-//! an oracle of their own, [`curve`].
+//! an oracle of their own, [`curve`], and so has the refinement of meshes, [`mesh`].
 //!
-//! What it does not know (lots of patch systems, host-bound queries, meshes) it refuses with a panic.
+//! What it does not know (lots of patch systems, host-bound queries, systems of meshes) it refuses with a panic.
 
 mod attributes;
 mod compare;
@@ -15,6 +15,7 @@ pub mod expression;
 mod generate;
 mod halving;
 pub mod lots;
+pub mod mesh;
 mod pattern;
 mod tests;
 pub mod value;
@@ -24,6 +25,7 @@ mod written;
 pub use compare::{Tolerance, assert_same, compare, engine_word, lattice_bits};
 pub use derive::Oracle;
 pub use generate::curve::{CurveCase, curve_case, features as curve_features, minimise_curve};
+pub use generate::mesh::{MESH_FEATURES, MeshCase, mesh_case};
 pub use generate::{CONSTRUCTS, Case, Random, case, minimise};
 pub use halving::{Net, left, right};
 pub use word::{Cell, Module, Param, Word};
