@@ -2,9 +2,13 @@
 
 mod bad;
 mod golden;
+mod laws;
 mod random;
+mod smooth;
 mod surface;
 
+use crate::oracle::{MESH_FEATURES, MeshCase, mesh_case};
+use crate::tier;
 use burgeon::cpu::refine::{Limits, Refiner};
 use burgeon::io::obj;
 use burgeon::mesh::{Mesh, Options, Topology};
@@ -18,6 +22,12 @@ fn cage(name: &str) -> Mesh {
 
 fn topology(mesh: &Mesh, options: &Options) -> Arc<Topology> {
     Arc::new(Topology::new(mesh, options).unwrap_or_else(|e| panic!("{e}")))
+}
+
+/// Random meshes that have all features between them.
+fn cases() -> Vec<MeshCase> {
+    let all = (0..tier::cases(400, 150)).map(mesh_case);
+    tier::covering(all, &MESH_FEATURES, |case| case.features.clone())
 }
 
 /// Positions and normals of a level's vertices in the limit, on the CPU.
