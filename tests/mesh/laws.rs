@@ -130,7 +130,7 @@ fn so_they_are_beyond_the_fifth_level() {
 fn levels_beyond_the_fifth_are_the_oracles() {
     for (name, mesh, options) in small() {
         let topology = topology(&mesh, &options);
-        let last = if mesh.faces.len() == 1 { 8 } else { 6 };
+        let last = if mesh.faces.len() == 1 { 7 } else { 6 };
         let mut naive = Level::refined(&mesh, &options, 5);
         for level in 6..=last {
             naive = naive.refine(&options);

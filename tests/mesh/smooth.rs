@@ -184,7 +184,7 @@ fn limits_are_what_deep_levels_come_near_to() {
         let topology = topology(&mesh, &options);
         let size = f64::from(mesh.size());
         let first = topology.first_level();
-        let deep = if mesh.faces.len() > 10 { 6 } else { 7 } + first;
+        let deep = if mesh.faces.len() > 10 { 5 } else { 6 } + first;
         let (at_first, in_the_limit) = (names(&topology, first), wide(&limits(&mesh, &topology, first).0));
         let near = wide(&positions(&mesh, &topology, deep));
         let deep_names = names(&topology, deep);
