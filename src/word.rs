@@ -1,8 +1,45 @@
 //! What words of every kind have in common: symbols, and the parameters of their modules in typed columns.
 
+use crate::language::Span;
 use crate::language::expr::{Type, Value};
 use crate::language::system::Field;
+use std::fmt::Display;
 use thiserror::Error;
+
+/// Why an axiom has no modules. `E` is what reading a file may say.
+#[derive(Debug, Error)]
+pub enum AxiomError<E: Display> {
+    #[error("{0}")]
+    Source(E),
+    #[error("{message}")]
+    Wrong { message: String, span: Span },
+}
+
+impl<E: Display> AxiomError<E> {
+    /// A source that is a system.
+    pub(crate) fn of_system(span: Span) -> AxiomError<E> {
+        let message = "this version does not begin with the word of another system".to_string();
+        AxiomError::Wrong { message, span }
+    }
+}
+
+/// The one of a file's curves or patches that the axiom asks for.
+pub(crate) fn chosen<T, E: Display>(
+    mut all: Vec<T>,
+    index: u32,
+    (what, path): (&str, &str),
+    span: Span,
+) -> Result<T, AxiomError<E>> {
+    if (index as usize) < all.len() {
+        return Ok(all.swap_remove(index as usize));
+    }
+    let there = match all.len().checked_sub(1) {
+        Some(last) => format!("counted from 0, its last is {last}"),
+        None => "it holds none".to_string(),
+    };
+    let message = format!("{path} has no {what} {index}: {there}");
+    Err(AxiomError::Wrong { message, span })
+}
 
 /// A symbol with the names and types of its parameters.
 #[derive(Clone, Debug, PartialEq)]

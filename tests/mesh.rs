@@ -4,11 +4,15 @@ mod bad;
 #[cfg(feature = "gpu")]
 mod device;
 mod golden;
+mod laws;
 #[cfg(feature = "gpu")]
 mod mutants;
 mod random;
+mod smooth;
 mod surface;
 
+use crate::oracle::{MESH_FEATURES, MeshCase, mesh_case};
+use crate::tier;
 use burgeon::cpu::refine::{Limits, Refiner};
 use burgeon::io::obj;
 use burgeon::mesh::{Mesh, Options, Topology};
@@ -22,6 +26,12 @@ fn cage(name: &str) -> Mesh {
 
 fn topology(mesh: &Mesh, options: &Options) -> Arc<Topology> {
     Arc::new(Topology::new(mesh, options).unwrap_or_else(|e| panic!("{e}")))
+}
+
+/// Random meshes that have all features between them.
+fn cases() -> Vec<MeshCase> {
+    let all = (0..tier::cases(400, 150)).map(mesh_case);
+    tier::covering(all, &MESH_FEATURES, |case| case.features.clone())
 }
 
 /// Positions and normals of a level's vertices in the limit, on the CPU.

@@ -92,7 +92,7 @@ pub fn axiom(
     let mut places = Places::new(source, system, input)?;
     let value = if matches!(system.kind, Kind::Curve(_)) {
         let loaded = curve::Axiom::load(system, &mut |name| places.points(name, system));
-        let axiom = loaded.map_err(|e| places.of_curve(e))?;
+        let axiom = loaded.map_err(|e| places.wrong(e))?;
         axiom.notes.iter().for_each(|(name, note)| places.note_of(name, note));
         Beginning::Points(axiom)
     } else {
@@ -136,7 +136,7 @@ pub fn of_each_curve(
             true => Ok(vec![curve.clone()]),
             false => places.points(name, system),
         };
-        curve::Axiom::load(system, &mut read).map_err(|e| places.of_curve(e))
+        curve::Axiom::load(system, &mut read).map_err(|e| places.wrong(e))
     };
     let value: Result<_, AxiomError> = curves.into_iter().map(&mut of_curve).collect();
     Ok(Noted { value: value?, notes: places.notes })
@@ -202,13 +202,6 @@ impl<'a> Places<'a> {
         };
         let path = self.of(name);
         self.noted(&path, Noted { value: (), notes: vec![format!("{note}{help}")] });
-    }
-
-    fn of_curve(&self, e: curve::AxiomError<String>) -> AxiomError {
-        self.wrong(match e {
-            curve::AxiomError::Source(text) => patch::AxiomError::Source(text),
-            curve::AxiomError::Wrong { message, span } => patch::AxiomError::Wrong { message, span },
-        })
     }
 
     fn wrong(&self, e: patch::AxiomError<String>) -> AxiomError {

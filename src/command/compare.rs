@@ -15,7 +15,7 @@ pub fn compare(flags: &flags::Compare) -> Result<(), Failure> {
     let loaded = super::source::Loaded::read(&flags.derive.system)?;
     let plan = loaded.plan(Plan::new)?;
     super::kinds::check(&flags.derive, &loaded.system)?;
-    let job = super::load::job(loaded, plan, &flags.derive)?;
+    let job = super::load::job(loaded, plan, &flags.derive, false)?;
     job.say_notes();
     let requirement = flags.derive.machine.adapter.as_deref().map_or(Requirement::Any, Requirement::Named);
     let device = Headless::new(requirement).map_err(of_gpu)?;

@@ -3,7 +3,7 @@
 use super::load::{self, Job};
 use super::output::{self, Format, Target, file};
 use super::progress::Bar;
-use super::run::{self, milliseconds};
+use super::run::{self, Work};
 use super::source::Loaded;
 use super::words::{self, Several};
 use super::{Failure, counted, flags, kinds, stop};
@@ -26,48 +26,50 @@ pub fn run(flags: &flags::Run, loaded: Loaded, start: Instant) -> Result<(), Fai
     let plan = loaded.plan(if flags.words.are_several() { Plan::of_words } else { Plan::new })?;
     kinds::check_run(flags, &loaded.system)?;
     let targets = output::targets(&flags.out, flags.format, &output::CURVES)?;
-    let job = load::job(loaded, plan, &flags.derive)?;
-    if !flags.words.each {
-        job.say_notes();
-    }
+    let job = load::job(loaded, plan, &flags.derive, flags.words.each)?;
+    job.say_notes();
     let several = flags.words.are_several().then(|| words::several(flags, &job)).transpose()?;
     let several = several.as_ref();
     stop::watch();
     let bar = Bar::new();
     let progress = |p: Progress| bar.step(p);
     let options = run::options(&flags.derive, &job, &progress);
-    let derived = derive(flags, &job, several, &options, &bar)?;
+    let derived = run::derive(flags, &job, &OfCurves { job: &job, several, options: &options }, &bar)?;
+    let words = &derived.made;
     if let Some(target) = targets.iter().find(|target| DRAWINGS.contains(&target.format))
-        && derived.words.iter().any(has_no_point)
+        && words.iter().any(has_no_point)
     {
         bar.clear();
         return Err(untraced(&job, &target.path));
     }
     let drawn = Drawn {
-        control: if flags.control { control(&job, several)? } else { vec![Vec::new(); derived.words.len()] },
+        control: if flags.control { control(&job, several)? } else { vec![Vec::new(); words.len()] },
         combinations: several.map_or(1, |several| several.combinations),
         columns: several.and_then(|several| several.columns),
         style: Style { points: flags.points, up: flags.drawing.up.into(), ..Style::default() },
     };
-    let write = |target: &Target| write_all(target, several, &derived.words, &drawn, &bar);
+    let write = |target: &Target| write_all(target, several, words, &drawn, &bar);
     let failures = output::each(&targets, write)?;
     bar.clear();
     super::joined(failures)?;
     if targets.iter().any(|target| DRAWINGS.contains(&target.format))
-        && derived.words.iter().all(|word| word.modules.is_empty())
+        && words.iter().all(|word| word.modules.is_empty())
         && !may_hold_points(&job)
     {
         super::say("note: the word is empty, and was never traced: nothing is drawn");
     }
     if flags.stats {
-        return output::report(&targets, &derived.stats(several.is_some(), start).to_string());
+        let mut stats = derived.stats(start);
+        if several.is_some() {
+            stats["words"] = words.len().into();
+        }
+        return output::report(&targets, &stats.to_string());
     }
     let steps = counted(derived.steps.len() as u64, "step");
-    let modules = derived.words.iter().map(|word| word.modules.len() as u64).sum();
+    let modules = words.iter().map(|word| word.modules.len() as u64).sum();
     let modules = counted(modules, "module");
-    let words =
-        several.map_or(String::new(), |_| format!("{}, ", counted(derived.words.len() as u64, "curve")));
-    output::report(&targets, &format!("{}: {steps}, {words}{modules}", job.plan.system.name))
+    let curves = several.map_or(String::new(), |_| format!("{}, ", counted(words.len() as u64, "curve")));
+    output::report(&targets, &format!("{}: {steps}, {curves}{modules}", job.plan.system.name))
 }
 
 /// There are modules, and none of them stands anywhere.
@@ -195,36 +197,43 @@ fn write(
 fn control(job: &Job, several: Option<&Several>) -> Result<Vec<Vec<curves::Line>>, Failure> {
     let none = Options { steps: Some(0), set: job.set.clone(), ..Options::default() };
     let mut cpu = run::cpu(job, 1)?;
-    let (words, ..) = all(job, several, &none, &mut cpu).map_err(|e| job.failure(e))?;
+    let work = OfCurves { job, several, options: &none };
+    let (words, ..) = work.run(&mut cpu).map_err(|e| job.failure(e))?;
     Ok(words.iter().map(curves::lines).collect())
 }
 
-/// All words of a job, the steps of all together, and the most bytes that one run took.
-fn all<B: Backend>(
-    job: &Job,
-    several: Option<&Several>,
-    options: &Options,
-    backend: &mut B,
-) -> Result<(Vec<Word>, Vec<StepStats>, u64), B::Error> {
-    let Some(several) = several else {
-        let derivation = derive::derive(job.axiom.curve()?, options, backend)?;
-        let word = derive::collect(backend, &derivation)?;
-        return Ok((vec![word], derivation.steps, derivation.peak_bytes));
-    };
-    let mut words: Vec<Option<Word>> = vec![None; several.words.words.len()];
-    let (mut steps, mut peak_bytes) = (Vec::new(), 0);
-    for run in &several.runs {
-        let starts = Words { words: run.iter().map(|&n| several.words.words[n].clone()).collect() };
-        let derivation = derive::derive(&starts, options, backend)?;
-        let derived = derive::collect(backend, &derivation)?;
-        derivation.chunks.into_iter().for_each(|chunk| backend.recycle(chunk));
-        for (&n, word) in run.iter().zip(derived) {
-            words[n] = Some(word);
+/// All words of a job.
+struct OfCurves<'a> {
+    job: &'a Job,
+    several: Option<&'a Several>,
+    options: &'a Options<'a>,
+}
+
+impl Work for OfCurves<'_> {
+    type Made = Vec<Word>;
+
+    /// The steps of all together, and the most bytes that one run took.
+    fn run<B: Backend>(&self, backend: &mut B) -> Result<(Vec<Word>, Vec<StepStats>, u64), B::Error> {
+        let Some(several) = self.several else {
+            let derivation = derive::derive(self.job.axiom.curve()?, self.options, backend)?;
+            let word = derive::collect(backend, &derivation)?;
+            return Ok((vec![word], derivation.steps, derivation.peak_bytes));
+        };
+        let mut words: Vec<Option<Word>> = vec![None; several.words.words.len()];
+        let (mut steps, mut peak_bytes) = (Vec::new(), 0);
+        for run in &several.runs {
+            let starts = Words { words: run.iter().map(|&n| several.words.words[n].clone()).collect() };
+            let derivation = derive::derive(&starts, self.options, backend)?;
+            let derived = derive::collect(backend, &derivation)?;
+            derivation.chunks.into_iter().for_each(|chunk| backend.recycle(chunk));
+            for (&n, word) in run.iter().zip(derived) {
+                words[n] = Some(word);
+            }
+            steps.push(derivation.steps);
+            peak_bytes = peak_bytes.max(derivation.peak_bytes);
         }
-        steps.push(derivation.steps);
-        peak_bytes = peak_bytes.max(derivation.peak_bytes);
+        Ok((words.into_iter().flatten().collect(), together(&steps), peak_bytes))
     }
-    Ok((words.into_iter().flatten().collect(), together(&steps), peak_bytes))
 }
 
 /// Runs after each other as one: what has ended earlier keeps its modules.
@@ -235,86 +244,4 @@ fn together(runs: &[Vec<StepStats>]) -> Vec<StepStats> {
         time: runs.iter().filter_map(|run| run.get(n)).map(|step| step.time).sum(),
     };
     (0..most).map(step).collect()
-}
-
-struct Derived {
-    words: Vec<Word>,
-    backend: &'static str,
-    adapter: String,
-    compile_ms: f64,
-    steps: Vec<StepStats>,
-    peak_bytes: u64,
-}
-
-impl Derived {
-    fn stats(&self, several: bool, start: Instant) -> serde_json::Value {
-        let step =
-            |s: &StepStats| serde_json::json!({ "modules": s.modules, "ms": s.time.as_secs_f64() * 1e3 });
-        let mut stats = serde_json::json!({
-            "backend": self.backend,
-            "adapter": self.adapter,
-            "compile_ms": self.compile_ms,
-            "steps": self.steps.iter().map(step).collect::<Vec<_>>(),
-            "total_ms": milliseconds(start),
-            "peak_bytes": self.peak_bytes,
-        });
-        if several {
-            stats["words"] = self.words.len().into();
-        }
-        stats
-    }
-}
-
-fn derive(
-    flags: &flags::Run,
-    job: &Job,
-    several: Option<&Several>,
-    options: &Options,
-    bar: &Bar,
-) -> Result<Derived, Failure> {
-    match run::device(flags.backend, &flags.derive.machine, bar)? {
-        #[cfg(feature = "gpu")]
-        Some(device) => on_gpu(job, several, options, &device, bar),
-        #[cfg(not(feature = "gpu"))]
-        Some(device) => match device {},
-        None => {
-            bar.doing("deriving");
-            on_cpu(job, several, options, flags.derive.machine.threads as usize)
-        }
-    }
-}
-
-#[cfg(feature = "gpu")]
-fn on_gpu(
-    job: &Job,
-    several: Option<&Several>,
-    options: &Options,
-    device: &run::Device,
-    bar: &Bar,
-) -> Result<Derived, Failure> {
-    use burgeon::gpu::{Engine, Gpu};
-    let engine = Engine::new(&device.device, &device.queue);
-    let failure = |e| match e {
-        burgeon::gpu::Error::Plan(e) => job.failure(e),
-        e => run::of_gpu(e),
-    };
-    bar.doing("compiling kernels");
-    let start = Instant::now();
-    let mut gpu = Gpu::new(&engine, &job.plan).map_err(failure)?;
-    gpu.compile().map_err(failure)?;
-    let compile_ms = milliseconds(start);
-    bar.doing("deriving");
-    let (words, steps, peak_bytes) = all(job, several, options, &mut gpu).map_err(failure)?;
-    Ok(Derived { words, backend: "gpu", adapter: device.info.name.clone(), compile_ms, steps, peak_bytes })
-}
-
-fn on_cpu(
-    job: &Job,
-    several: Option<&Several>,
-    options: &Options,
-    threads: usize,
-) -> Result<Derived, Failure> {
-    let mut cpu = run::cpu(job, threads)?;
-    let (words, steps, peak_bytes) = all(job, several, options, &mut cpu).map_err(|e| job.failure(e))?;
-    Ok(Derived { words, backend: "cpu", adapter: "CPU".to_string(), compile_ms: 0.0, steps, peak_bytes })
 }

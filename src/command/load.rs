@@ -34,6 +34,8 @@ pub fn has_extension(path: &Path, extension: &str) -> bool {
 pub struct Job {
     pub plan: Plan,
     pub axiom: Beginning,
+    /// The axiom once for each curve of its first file, where that was asked for.
+    pub each: Vec<curve::Axiom>,
     /// What is to be said of the axiom's files.
     notes: Vec<String>,
     pub set: Vec<(String, Value)>,
@@ -44,7 +46,7 @@ pub struct Job {
 
 /// Reads the axiom's files, and what else the flags name. All that can be wrong with them is found here, before a
 /// device is opened.
-pub fn job(loaded: Loaded, plan: Plan, flags: &flags::Derive) -> Result<Job, Failure> {
+pub fn job(loaded: Loaded, plan: Plan, flags: &flags::Derive, each: bool) -> Result<Job, Failure> {
     let set = loaded.set(&flags.set)?;
     let Loaded { source, system } = loaded;
     let uniforms = plan.uniforms(&set).map_err(|e| failure(&source, &plan, e))?;
@@ -57,12 +59,21 @@ pub fn job(loaded: Loaded, plan: Plan, flags: &flags::Derive) -> Result<Job, Fai
         let what = "--bspline is for an .obj, and neither --in nor the axiom names one";
         return Err(Failure::Usage(format!("error: {what}")));
     }
-    let Noted { value: axiom, notes } = axiom::axiom(&source, &system, flags.input.as_deref(), flags.bspline)
-        .map_err(|e| e.failure(&source))?;
+    let input = flags.input.as_deref();
+    let (Noted { value: axiom, notes }, each) = match each {
+        false => {
+            (axiom::axiom(&source, &system, input, flags.bspline).map_err(|e| e.failure(&source))?, vec![])
+        }
+        true => {
+            let each = axiom::of_each_curve(&source, &system, input).map_err(|e| e.failure(&source))?;
+            let first = each.value.first().cloned().unwrap_or_default();
+            (Noted { value: Beginning::Points(first), notes: each.notes }, each.value)
+        }
+    };
     let bind = bind(&plan.system, &flags.bind)?;
     let view = sight(&flags.view, flags::Up::Y, axiom.nets().iter())?.map(|s| s.view());
     Given::new(&plan.system, axiom.roots(), &bind, view).map_err(|e| failure(&source, &plan, e))?;
-    Ok(Job { plan, axiom, notes, set, bind, view, source })
+    Ok(Job { plan, axiom, each, notes, set, bind, view, source })
 }
 
 impl Job {
@@ -71,15 +82,7 @@ impl Job {
         self.axiom.nets()
     }
 
-    /// The axiom once for each curve of its first file. Says what is to be said of it.
-    pub fn each_curve(&self, input: Option<&Path>) -> Result<Vec<curve::Axiom>, Failure> {
-        let each = axiom::of_each_curve(&self.source, &self.plan.system, input);
-        let each = each.map_err(|e| e.failure(&self.source))?;
-        say_notes(&each.notes);
-        Ok(each.value)
-    }
-
-    /// Says what is to be said of the axiom's files, where it is not taken curve by curve.
+    /// Says what is to be said of the axiom's files.
     pub fn say_notes(&self) {
         say_notes(&self.notes);
     }
@@ -171,7 +174,7 @@ fn failure(source: &Source, plan: &Plan, e: plan::Error) -> Failure {
     let system = &plan.system;
     match &e {
         plan::Error::Unsupported(e) => source.unsupported(e),
-        plan::Error::Value(text) => at(place_of_value(system, text), text),
+        plan::Error::Value(text, Some(span)) => at(*span, text),
         plan::Error::Axiom(text) => at(place_of_axiom(system), text),
         plan::Error::Endless { symbol, rule, derive, needed, modules, step, budget } => {
             let what = format!(
@@ -186,17 +189,6 @@ fn failure(source: &Source, plan: &Plan, e: plan::Error) -> Failure {
             source.error(Diagnostic::error("E0407", *rule, what).label(*derive, grown).hint(hint))
         }
         _ => super::run::of_plan(e),
-    }
-}
-
-/// Where the expression without a value stands: the message begins with what it belongs to.
-fn place_of_value(system: &System, text: &str) -> Span {
-    let constant = text.strip_prefix("const ").and_then(|rest| rest.split(':').next());
-    let constant = constant.and_then(|name| system.uniforms.iter().find(|u| u.name == name));
-    match constant {
-        Some(constant) => constant.span,
-        None if text.starts_with("axiom") => place_of_axiom(system),
-        None => system.run.first().map_or(system.source.name.span, |step| step.span),
     }
 }
 

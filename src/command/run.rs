@@ -3,12 +3,12 @@
 use super::load::{self, Job, size};
 use super::progress::Bar;
 use super::source::Loaded;
-use super::tessellate::{self, Work};
+use super::tessellate;
 use super::{Failure, counted, flags, kinds, output, say, stop};
 use burgeon::cpu::Cpu;
 use burgeon::language::system::Kind;
 use burgeon::patch::{self, Net};
-use burgeon::plan::derive::{self, StepStats};
+use burgeon::plan::derive::{self, Backend, StepStats};
 use burgeon::plan::{self, Options, Plan, Progress, holes};
 use std::time::Instant;
 
@@ -33,7 +33,7 @@ fn patches(flags: &flags::Run, loaded: Loaded, start: Instant) -> Result<(), Fai
             "error: {flag} is for the mesh that --tolerance makes; give both"
         )));
     }
-    let job = load::job(loaded, plan, &flags.derive)?;
+    let job = load::job(loaded, plan, &flags.derive, false)?;
     job.say_notes();
     if let (false, Some(placement)) = (watertight, &job.plan.placement) {
         say(&format!(
@@ -47,18 +47,20 @@ fn patches(flags: &flags::Run, loaded: Loaded, start: Instant) -> Result<(), Fai
     let bar = Bar::new();
     let progress = |p: Progress| bar.step(p);
     let options = options(&flags.derive, &job, &progress);
-    let mut derived = derive(flags, &job, &options, &bar)?;
+    let axiom = job.axiom.patches().map_err(|e| job.failure(e))?;
+    let mut derived = derive(flags, &job, &OfPatches { axiom, options: &options }, &bar)?;
     let device = derived.device.as_ref();
     let mut surface = watertight.then(|| {
         let hole = job.plan.hole;
         let placement = Some((&job.plan, &options));
-        let work = Work { nets: &nets, word: Some((&derived.word, hole)), placement, level: &level };
+        let work =
+            tessellate::Work { nets: &nets, word: Some((&derived.made, hole)), placement, level: &level };
         tessellate::make(&work, device, &flags.derive.machine, &bar)
     });
     if let Some(hole) = job.plan.hole {
-        derived.word = holes::dropped(&derived.word, hole);
+        derived.made = holes::dropped(&derived.made, hole);
     }
-    let word = &derived.word;
+    let word = &derived.made;
     let shape = match &mut surface {
         Some(Ok(surface)) => Ok(tessellate::shape(surface, flags.by_symbol, &targets)),
         Some(Err(why)) => Err(why.clone()),
@@ -97,15 +99,54 @@ pub fn options<'a>(flags: &flags::Derive, job: &Job, progress: &'a dyn Fn(Progre
     }
 }
 
-/// A word, and how it came about.
-struct Derived {
-    word: patch::Word,
+/// What a backend derives.
+pub trait Work {
+    type Made;
+
+    /// What is made, the steps, and the most bytes that the word took.
+    fn run<B: Backend>(&self, backend: &mut B) -> Result<(Self::Made, Vec<StepStats>, u64), B::Error>;
+}
+
+struct OfPatches<'a> {
+    axiom: &'a patch::Axiom,
+    options: &'a Options<'a>,
+}
+
+impl Work for OfPatches<'_> {
+    type Made = patch::Word;
+
+    fn run<B: Backend>(&self, backend: &mut B) -> Result<(patch::Word, Vec<StepStats>, u64), B::Error> {
+        let derivation = derive::derive(self.axiom, self.options, backend)?;
+        let word = derive::collect(backend, &derivation)?;
+        Ok((word, derivation.steps, derivation.peak_bytes))
+    }
+}
+
+/// What was made, and how it came about.
+pub struct Derived<M> {
+    pub made: M,
+    pub steps: Vec<StepStats>,
     backend: &'static str,
     adapter: String,
     compile_ms: f64,
-    steps: Vec<StepStats>,
     peak_bytes: u64,
-    device: Option<Device>,
+    pub device: Option<Device>,
+}
+
+impl<M> Derived<M> {
+    /// What `--stats` says of every derivation.
+    pub fn stats(&self, start: Instant) -> serde_json::Value {
+        let step =
+            |s: &StepStats| serde_json::json!({ "modules": s.modules, "ms": s.time.as_secs_f64() * 1e3 });
+        serde_json::json!({
+            "backend": self.backend,
+            "adapter": self.adapter,
+            "compile_ms": self.compile_ms,
+            "steps": self.steps.iter().map(step).collect::<Vec<_>>(),
+            "total_ms": milliseconds(start),
+            "peak_bytes": self.peak_bytes,
+        })
+    }
 }
 
 #[cfg(feature = "gpu")]
@@ -113,15 +154,24 @@ pub use burgeon::gpu::Headless as Device;
 #[cfg(not(feature = "gpu"))]
 pub enum Device {}
 
-fn derive(flags: &flags::Run, job: &Job, options: &Options, bar: &Bar) -> Result<Derived, Failure> {
+/// Derives where the flags say.
+pub fn derive<W: Work>(
+    flags: &flags::Run,
+    job: &Job,
+    work: &W,
+    bar: &Bar,
+) -> Result<Derived<W::Made>, Failure> {
     match device(flags.backend, &flags.derive.machine, bar)? {
         #[cfg(feature = "gpu")]
-        Some(device) => on_gpu(job, options, device, bar),
+        Some(device) => on_gpu(job, work, device, bar),
         #[cfg(not(feature = "gpu"))]
         Some(device) => match device {},
         None => {
             bar.doing("deriving");
-            on_cpu(job, options, flags.derive.machine.threads as usize)
+            let mut cpu = cpu(job, flags.derive.machine.threads as usize)?;
+            let (made, steps, peak_bytes) = work.run(&mut cpu).map_err(|e| job.failure(e))?;
+            let adapter = "CPU".to_string();
+            Ok(Derived { made, steps, backend: "cpu", adapter, compile_ms: 0.0, peak_bytes, device: None })
         }
     }
 }
@@ -164,7 +214,7 @@ pub fn device(backend: flags::Backend, _: &flags::Machine, _: &Bar) -> Result<Op
 }
 
 #[cfg(feature = "gpu")]
-fn on_gpu(job: &Job, options: &Options, device: Device, bar: &Bar) -> Result<Derived, Failure> {
+fn on_gpu<W: Work>(job: &Job, work: &W, device: Device, bar: &Bar) -> Result<Derived<W::Made>, Failure> {
     use burgeon::gpu::{Engine, Gpu};
     let engine = Engine::new(&device.device, &device.queue);
     let failure = |e| match e {
@@ -177,36 +227,10 @@ fn on_gpu(job: &Job, options: &Options, device: Device, bar: &Bar) -> Result<Der
     gpu.compile().map_err(failure)?;
     let compile_ms = milliseconds(start);
     bar.doing("deriving");
-    let derivation = derive::derive(job.axiom.patches().map_err(|e| job.failure(e))?, options, &mut gpu)
-        .map_err(failure)?;
-    let word = derive::collect(&mut gpu, &derivation).map_err(failure)?;
+    let (made, steps, peak_bytes) = work.run(&mut gpu).map_err(failure)?;
     drop(gpu);
-    Ok(Derived {
-        word,
-        backend: "gpu",
-        adapter: device.info.name.clone(),
-        compile_ms,
-        steps: derivation.steps,
-        peak_bytes: derivation.peak_bytes,
-        device: Some(device),
-    })
-}
-
-fn on_cpu(job: &Job, options: &Options, threads: usize) -> Result<Derived, Failure> {
-    let mut cpu = cpu(job, threads)?;
-    let failure = |e| job.failure(e);
-    let derivation = derive::derive(job.axiom.patches().map_err(|e| job.failure(e))?, options, &mut cpu)
-        .map_err(failure)?;
-    let word = derive::collect(&mut cpu, &derivation).map_err(failure)?;
-    Ok(Derived {
-        word,
-        backend: "cpu",
-        adapter: "CPU".to_string(),
-        compile_ms: 0.0,
-        steps: derivation.steps,
-        peak_bytes: derivation.peak_bytes,
-        device: None,
-    })
+    let adapter = device.info.name.clone();
+    Ok(Derived { made, steps, backend: "gpu", adapter, compile_ms, peak_bytes, device: Some(device) })
 }
 
 /// The CPU backend of a job. Threads are all that it can lack.
@@ -240,7 +264,7 @@ pub fn of_plan(e: plan::Error) -> Failure {
             Failure::Stopped(format!("error: stopped by Ctrl-C after {steps}; nothing was written"))
         }
         plan::Error::Unsupported(_)
-        | plan::Error::Value(_)
+        | plan::Error::Value(..)
         | plan::Error::Axiom(_)
         | plan::Error::Endless { .. } => Failure::File(text),
     }
@@ -259,20 +283,12 @@ pub fn milliseconds(start: Instant) -> f64 {
     start.elapsed().as_secs_f64() * 1e3
 }
 
-fn stats(derived: &Derived, surface: Option<&tessellate::Surface>, start: Instant) -> serde_json::Value {
-    let steps: Vec<_> = derived
-        .steps
-        .iter()
-        .map(|s| serde_json::json!({ "modules": s.modules, "ms": s.time.as_secs_f64() * 1e3 }))
-        .collect();
-    let mut stats = serde_json::json!({
-        "backend": derived.backend,
-        "adapter": derived.adapter,
-        "compile_ms": derived.compile_ms,
-        "steps": steps,
-        "total_ms": milliseconds(start),
-        "peak_bytes": derived.peak_bytes,
-    });
+fn stats(
+    derived: &Derived<patch::Word>,
+    surface: Option<&tessellate::Surface>,
+    start: Instant,
+) -> serde_json::Value {
+    let mut stats = derived.stats(start);
     if let Some(surface) = surface {
         stats["vertices"] = surface.vertices().into();
         stats["triangles"] = surface.triangles().into();

@@ -143,7 +143,7 @@ pub fn several(flags: &flags::Run, job: &Job) -> Result<Several, Failure> {
         sets = sets.iter().flat_map(with).collect();
     }
     let axioms = match flags.words.each {
-        true => job.each_curve(flags.derive.input.as_deref())?,
+        true => job.each.clone(),
         false => vec![job.axiom.curve().map_err(|e| job.failure(e))?.clone()],
     };
     let axioms: Vec<Arc<curve::Axiom>> = axioms.into_iter().map(Arc::new).collect();

@@ -77,7 +77,7 @@ impl Cpu {
         let threads = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()
-            .map_err(|e| Error::Value(format!("the CPU backend could not start its threads: {e}")))?;
+            .map_err(|e| Error::Value(format!("the CPU backend could not start its threads: {e}"), None))?;
         Ok(Cpu {
             plan: Arc::new(plan.clone()),
             uniforms: plan.defaults(),

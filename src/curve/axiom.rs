@@ -1,12 +1,12 @@
 //! The axiom of a curve system: its modules, read from where the system says.
 
 use super::polyline::{Note, Polyline, notes};
-use crate::language::Span;
 use crate::language::expr::{Expr, Type, Value};
 use crate::language::system::{self, CurveSource, CurveStart, Hang, System};
+use crate::word::{AxiomError, chosen};
 
 /// The parts of a word, in order.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Axiom {
     pub parts: Vec<Part>,
     /// What became of the curves of its files, with the name of each file.
@@ -32,15 +32,6 @@ pub struct Root {
     pub args: Vec<Expr>,
     /// What it hangs on, in its part; what hangs on nothing of the part hangs on the axis of the part before.
     pub hang: Hang,
-}
-
-/// Why an axiom has no modules. `E` is what reading a file may say.
-#[derive(Debug, thiserror::Error)]
-pub enum AxiomError<E: std::fmt::Display> {
-    #[error("{0}")]
-    Source(E),
-    #[error("{message}")]
-    Wrong { message: String, span: Span },
 }
 
 impl Axiom {
@@ -90,7 +81,7 @@ impl Axiom {
                     let exit = points.len().checked_sub(1);
                     parts.push(Part { modules, exit, shift: shift.clone() });
                 }
-                CurveStart::System { span, .. } => return Err(of_system(*span)),
+                CurveStart::System { span, .. } => return Err(AxiomError::of_system(*span)),
             }
         }
         Ok(Axiom { parts, notes })
@@ -107,11 +98,6 @@ impl Axiom {
     }
 }
 
-fn of_system<E: std::fmt::Display>(span: Span) -> AxiomError<E> {
-    let message = "this version does not begin with the word of another system".to_string();
-    AxiomError::Wrong { message, span }
-}
-
 fn points<E: std::fmt::Display>(
     system: &System,
     source: &CurveSource,
@@ -120,19 +106,11 @@ fn points<E: std::fmt::Display>(
 ) -> Result<Vec<[f32; 4]>, AxiomError<E>> {
     match source {
         CurveSource::Inline(points) => Ok(points.iter().map(coordinates).collect()),
-        CurveSource::System { span, .. } => Err(of_system(*span)),
+        CurveSource::System { span, .. } => Err(AxiomError::of_system(*span)),
         CurveSource::File { path, index, span } => {
             let mut curves = read(path).map_err(AxiomError::Source)?;
-            match index.map(|index| index as usize) {
-                None => {}
-                Some(index) if index < curves.len() => curves = vec![curves.swap_remove(index)],
-                Some(index) => {
-                    let message = format!(
-                        "{path} has no curve {index}: counted from 0, its last is {}",
-                        curves.len() - 1
-                    );
-                    return Err(AxiomError::Wrong { message, span: *span });
-                }
+            if let Some(index) = index {
+                curves = vec![chosen(curves, *index, ("curve", path), *span)?];
             }
             said.extend(notes(system, path, &curves, true).into_iter().map(|note| (path.clone(), note)));
             Ok(curves.into_iter().flat_map(|curve| curve.into_word(&system.kind)).collect())

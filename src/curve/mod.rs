@@ -4,7 +4,8 @@ mod axiom;
 mod polyline;
 mod words;
 
-pub use axiom::{Axiom, AxiomError, Part, Root};
+pub use crate::word::AxiomError;
+pub use axiom::{Axiom, Part, Root};
 pub use polyline::{Note, Polyline, coordinates, notes};
 pub use words::{Start, Words};
 

@@ -4,6 +4,7 @@ use super::Net;
 use crate::language::Expr;
 use crate::language::Span;
 use crate::language::system::{self, PatchSource, PatchStart, System};
+use crate::word::{AxiomError, chosen};
 
 /// The roots in order.
 #[derive(Clone, Debug)]
@@ -19,15 +20,6 @@ pub struct Root {
     /// One for each field; they read uniforms at most.
     pub args: Vec<Expr>,
     pub net: Net,
-}
-
-/// Why an axiom has no roots. `E` is what reading a file may say.
-#[derive(Debug, thiserror::Error)]
-pub enum AxiomError<E: std::fmt::Display> {
-    #[error("{0}")]
-    Source(E),
-    #[error("{message}")]
-    Wrong { message: String, span: Span },
 }
 
 impl Axiom {
@@ -84,24 +76,12 @@ fn nets<E: std::fmt::Display>(
             Ok(vec![net])
         }
         PatchSource::File { path, index, span } => {
-            let mut nets = read(path).map_err(AxiomError::Source)?;
+            let nets = read(path).map_err(AxiomError::Source)?;
             match index {
                 None => Ok(nets),
-                Some(i) if (*i as usize) < nets.len() => Ok(vec![nets.swap_remove(*i as usize)]),
-                Some(i) => {
-                    let last = nets.len().saturating_sub(1);
-                    wrong(
-                        format!(
-                            "{path} has {} patches, 0 .. {last}; there is none with index {i}",
-                            nets.len()
-                        ),
-                        span,
-                    )
-                }
+                Some(index) => Ok(vec![chosen(nets, *index, ("patch", path), *span)?]),
             }
         }
-        PatchSource::System { name, span } => {
-            wrong(format!("this version does not derive an axiom that is another system ({name})"), span)
-        }
+        PatchSource::System { span, .. } => Err(AxiomError::of_system(*span)),
     }
 }

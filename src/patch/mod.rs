@@ -12,7 +12,8 @@ pub mod evaluate;
 pub mod validate;
 pub mod values;
 
-pub use axiom::{Axiom, AxiomError, Root};
+pub use crate::word::AxiomError;
+pub use axiom::{Axiom, Root};
 pub use bspline::ControlGrid;
 pub use evaluate::{NetRef, Parameter, Sample};
 pub use validate::{NetError, WordError};

@@ -51,6 +51,6 @@ pub(super) fn symbols(plan: &Plan) -> Vec<Symbol> {
 pub(super) fn words_of(plan: &Plan, symbol: usize, module: usize) -> Result<&[usize], Error> {
     let table = plan.tables.symbols.get(symbol).filter(|s| !s.hidden);
     table.map(|table| &table.words[..]).ok_or_else(|| {
-        Error::Value(format!("module {module} of the word has no symbol: the device is not right"))
+        Error::Value(format!("module {module} of the word has no symbol: the device is not right"), None)
     })
 }

@@ -56,9 +56,10 @@ pub enum Error {
     /// An attribute of the screen, and no view.
     #[error("the rules read `{attribute}`, which is seen through a view, and none is given")]
     View { attribute: &'static str },
-    /// An expression of the axiom or the schedule has no value.
+    /// An expression of the axiom or the schedule has no value, or one that is out of range; and where it stands, if it
+    /// stands somewhere.
     #[error("{0}")]
-    Value(String),
+    Value(String, Option<Span>),
     /// The axiom and the system do not fit together.
     #[error("{0}")]
     Axiom(String),
@@ -233,9 +234,8 @@ fn uniforms(system: &System, set: &[(String, Value)]) -> Result<Vec<Value>, Erro
     let mut values: Vec<Value> = Vec::with_capacity(system.uniforms.len());
     for uniform in &system.uniforms {
         let value = match &uniform.kind {
-            UniformKind::Derived(e) => {
-                eval::eval(e, &values).map_err(|e| Error::Value(format!("const {}: {e}", uniform.name)))?
-            }
+            UniformKind::Derived(e) => eval::eval(e, &values)
+                .map_err(|e| Error::Value(format!("const {}: {e}", uniform.name), Some(uniform.span)))?,
             UniformKind::Param { default, range } => {
                 match set.iter().rev().find(|(name, _)| *name == uniform.name) {
                     None => default.clone(),

@@ -46,7 +46,13 @@ pub const MOST_STEPS: u32 = 1_000_000;
 pub fn unroll(plan: &Plan, uniforms: &[Value]) -> Result<Vec<Act>, Error> {
     let mut list = Vec::new();
     let mut turns = 0;
-    steps(plan, uniforms, &plan.system.run, &mut list, &mut turns)?;
+    for step in &plan.system.run {
+        steps(plan, uniforms, std::slice::from_ref(step), &mut list, &mut turns).map_err(|e| match e {
+            // It is the outermost `repeat` that has too many.
+            Error::Value(message, None) => Error::Value(message, Some(step.span)),
+            e => e,
+        })?;
+    }
     Ok(list)
 }
 
@@ -59,9 +65,10 @@ pub fn of_all(plan: &Plan, first: &Settings, others: &[Settings]) -> Result<Vec<
     for (n, values) in others.iter().enumerate() {
         if unroll(plan, &values.uniforms)? != list {
             let n = n + 1;
-            return Err(Error::Value(format!(
+            let message = format!(
                 "word {n} has another schedule than word 0: the params in the counts of `run:` must be the same"
-            )));
+            );
+            return Err(Error::Value(message, plan.system.run.first().map(|step| step.span)));
         }
     }
     Ok(list)
@@ -77,9 +84,8 @@ fn steps(
     for step in run {
         *turns += 1;
         if *turns > MOST_ACTS {
-            return Err(Error::Value(format!(
-                "the schedule unrolls to more than {MOST_ACTS} steps of `run:`"
-            )));
+            let message = format!("the schedule unrolls to more than {MOST_ACTS} steps of `run:`");
+            return Err(Error::Value(message, None));
         }
         match &step.kind {
             StepKind::Derive { count, until_terminal, groups } => {
@@ -118,18 +124,19 @@ fn steps(
 
 fn rule_set(plan: &Plan, of: &RulesOf) -> Result<usize, Error> {
     plan.tables.rule_set(of).ok_or_else(|| {
-        Error::Value("a derive of the schedule names rules that were not compiled".to_string())
+        Error::Value("a derive of the schedule names rules that were not compiled".to_string(), None)
     })
 }
 
 fn number(e: &Expr, uniforms: &[Value], what: &str) -> Result<u32, Error> {
+    let wrong = |message: String| Err(Error::Value(message, Some(e.span)));
     match value(e, uniforms)? {
         Value::Int(n) if n >= 0 && n as u32 <= MOST_STEPS => Ok(n as u32),
-        Value::Int(n) => Err(Error::Value(format!("`{what} {n}`: the count lies outside 0 .. {MOST_STEPS}"))),
-        other => Err(Error::Value(format!("`{what}`: the count is of type {}, not int", other.ty()))),
+        Value::Int(n) => wrong(format!("`{what} {n}`: the count lies outside 0 .. {MOST_STEPS}")),
+        other => wrong(format!("`{what}`: the count is of type {}, not int", other.ty())),
     }
 }
 
 fn value(e: &Expr, uniforms: &[Value]) -> Result<Value, Error> {
-    eval::eval(e, uniforms).map_err(|e| Error::Value(format!("run: {e}")))
+    eval::eval(e, uniforms).map_err(|why| Error::Value(format!("run: {why}"), Some(e.span)))
 }

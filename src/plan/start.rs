@@ -49,8 +49,9 @@ impl Plan {
             return Err(other());
         }
         for ((arg, field), &at) in args.iter().zip(&symbol.fields).zip(&symbol.words) {
-            let value = eval::eval(arg, uniforms)
-                .map_err(|e| Error::Value(format!("axiom, argument of {}: {e}", symbol.name)))?;
+            let value = eval::eval(arg, uniforms).map_err(|e| {
+                Error::Value(format!("axiom, argument of {}: {e}", symbol.name), Some(arg.span))
+            })?;
             if value.ty() != field.ty {
                 return Err(other());
             }

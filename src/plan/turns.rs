@@ -84,11 +84,12 @@ pub fn turns(plan: &Plan, schedule: &[Act]) -> Result<Vec<Turn>, Error> {
         let stages = &plan.tables.rule_sets[derive.rule_set].stages;
         let sweeps = u64::from(derive.count) * stages.len() as u64;
         if turns.len() as u64 + sweeps > MOST_TURNS as u64 {
-            return Err(Error::Value(format!(
+            let message = format!(
                 "the schedule makes {} sweeps or more over the word; a derivation that is recorded may make \
                  {MOST_TURNS}: derive fewer steps",
                 turns.len() as u64 + sweeps
-            )));
+            );
+            return Err(Error::Value(message, Some(derive.span)));
         }
         for step in 0..derive.count {
             for (n, stage) in stages.iter().enumerate() {

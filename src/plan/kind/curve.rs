@@ -249,7 +249,9 @@ impl Plan {
             let first = (records.len() / layout.record_words) as u32;
             let shift = match &part.shift {
                 None => 0,
-                Some(e) => match eval::eval(e, uniforms).map_err(|e| Error::Value(format!("shift: {e}")))? {
+                Some(e) => match eval::eval(e, uniforms)
+                    .map_err(|why| Error::Value(format!("shift: {why}"), Some(e.span)))?
+                {
                     Value::Int(by) if n > 0 => (by as i64).rem_euclid(n as i64) as usize,
                     _ => 0,
                 },
@@ -289,7 +291,7 @@ impl Collected for Vec<curve::Word> {
                 let word = record[at] as usize;
                 let Some(own) = all.get_mut(word) else {
                     let what = format!("module {n} is of no word: the device is not right");
-                    return Err(Error::Value(what));
+                    return Err(Error::Value(what, None));
                 };
                 if own.is_empty() {
                     first[word] = n;
