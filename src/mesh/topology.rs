@@ -58,7 +58,11 @@ impl FirstPoints {
     }
 }
 
-/// How much there is of a level.
+/// The most levels that are counted: then there are more vertices than 64 bits can say, wherever there are any.
+const DEEPEST: u32 = 47;
+
+/// How much there is of a level. Vertices of no face are only in level 0 of a mesh whose faces are not all quads, which is
+/// the mesh as it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Counts {
     /// With those that only holes have.
@@ -74,8 +78,8 @@ pub enum TopologyError {
     #[error(transparent)]
     Mesh(#[from] MeshError),
     #[error(
-        "level {level} would have {vertices} vertices and {faces} faces, more than 32-bit indices can name; \
-         level {most} is the last that has fewer"
+        "level {level} is too fine: level {} would have {vertices} vertices and {faces} faces, more than 32-bit \
+         indices can name; level {most} is the last that has fewer", (*.most + 1).min(*.level)
     )]
     TooFine { level: u32, vertices: u128, faces: u128, most: u32 },
 }
@@ -85,7 +89,7 @@ pub enum TopologyError {
 pub struct FaceParent {
     /// The face of the mesh.
     pub face: u32,
-    /// The corner of the face whose quad it lies in, where the face is no quad.
+    /// The corner of the face whose quad it lies in, where the mesh has faces that are no quads.
     pub corner: Option<u32>,
     /// Its rectangle in the unit square of the face, or of that quad: (0, 0) is the face's first corner or the corner, u
     /// runs along the edge that begins there.
@@ -153,14 +157,14 @@ impl Topology {
     pub fn counts(&self, level: u32) -> Counts {
         let roots = &self.roots;
         let Some(depth) = level.checked_sub(self.first_level()) else {
-            let used = self.mesh.outgoing.iter().filter(|&&half| half != NONE).count();
             let holes = self.sources[roots.solid..].iter().filter(|source| source[1] == 0).count();
             return Counts {
-                vertices: used as u64,
+                vertices: self.mesh_vertices() as u64,
                 edges: self.mesh.edge_count as u64,
                 faces: (self.mesh.face_count() - holes) as u64,
             };
         };
+        let depth = depth.min(DEEPEST);
         let s = 1u128 << depth;
         let edges = roots.halves.edge_count as u128 * s + 2 * roots.len() as u128 * s * (s - 1);
         let bounded = |n: u128| u64::try_from(n).unwrap_or(u64::MAX);
@@ -183,7 +187,7 @@ impl Topology {
 
     fn check(&self, level: u32) -> Result<(), TopologyError> {
         let sizes = |level: u32| {
-            let depth = level.saturating_sub(self.first_level()).min(60);
+            let depth = level.saturating_sub(self.first_level()).min(DEEPEST);
             let faces = (self.roots.len() as u128) << (2 * depth);
             (self.roots.count(self.roots.len(), depth), faces)
         };
@@ -195,13 +199,16 @@ impl Topology {
         if fits(level) && level < 32 {
             return Ok(());
         }
-        let (vertices, faces) = sizes(level);
         let most = (0..32).take_while(|&level| fits(level)).last().unwrap_or(0);
+        let (vertices, faces) = sizes(level.min(most + 1));
         Err(TopologyError::TooFine { level, vertices, faces, most })
     }
 
     /// Where face `face` of a level comes from; a level has its faces root after root, row by row.
     pub fn face_parent(&self, level: u32, face: u32) -> FaceParent {
+        if level < self.first_level() {
+            return FaceParent { face, corner: None, uv: [[0.0; 2], [1.0; 2]] };
+        }
         let depth = level.saturating_sub(self.first_level());
         let s = 1u32 << depth;
         let (root, at) = (face >> (2 * depth), face & (s * s - 1));
@@ -214,6 +221,9 @@ impl Topology {
 
     /// Where vertex `vertex` of a level comes from.
     pub fn vertex_parent(&self, level: u32, vertex: u32) -> VertexParent {
+        if level < self.first_level() {
+            return VertexParent::Vertex(vertex);
+        }
         let depth = level.saturating_sub(self.first_level());
         let (roots, s) = (&self.roots, 1usize << depth);
         // The root that owns it is the last whose vertices do not begin after it.

@@ -4,7 +4,9 @@ use super::surface::Surface;
 use super::{positions, topology};
 use crate::oracle::mesh::Level;
 use burgeon::cpu::refine::{Refiner, quads};
-use burgeon::mesh::{Corner, Crease, Faces, Mesh, MeshError, Options, Topology, TopologyError};
+use burgeon::mesh::{
+    Corner, Crease, FaceParent, Faces, Mesh, MeshError, Options, Topology, TopologyError, VertexParent,
+};
 
 /// So many vertices, and faces of them.
 fn mesh(vertices: usize, faces: &[&[u32]]) -> Mesh {
@@ -170,17 +172,16 @@ fn levels_that_are_too_fine() {
     let error = Refiner::new(topology.clone(), 16).err().expect("an error");
     assert_eq!(topology.creases(16).err().as_ref(), Some(&error));
     let TopologyError::TooFine { level, vertices, faces, most } = error else { panic!("{error}") };
-    assert_eq!((level, vertices, faces), (16, 65_537 * 65_537, 1 << 32));
-    let message = format!(
-        "level 16 would have 4295098369 vertices and 4294967296 faces, more than 32-bit indices can name; level \
-         {most} is the last that has fewer"
-    );
+    assert_eq!((level, vertices, faces, most), (16, 32_769 * 32_769, 1 << 30, 14));
+    let message = "level 16 is too fine: level 15 would have 1073807361 vertices and 1073741824 faces, more than 32-bit \
+                   indices can name; level 14 is the last that has fewer";
     assert_eq!(error.to_string(), message);
     covered(&error);
     // And that one is not refused.
     assert!(topology.creases(most).is_ok());
     assert!(topology.creases(most + 1).is_err());
     for level in [40, 64, 100, u32::MAX] {
+        assert_eq!(topology.counts(level).vertices, u64::MAX);
         let error = topology.creases(level).expect_err("an error");
         assert!(matches!(error, TopologyError::TooFine { most: m, .. } if m == most), "{error}");
     }
@@ -214,6 +215,19 @@ fn a_mesh_of_nothing_has_nothing_at_all_levels() {
         assert!(positions(&mesh, &topology, level).is_empty());
         assert!(quads(&topology, level).is_empty());
     }
+}
+
+/// Level 0 of faces that are no quads is the mesh, with vertices that no face has.
+#[test]
+fn the_level_of_a_mesh_is_the_mesh() {
+    let mesh = mesh(5, &[&[3, 4, 2], &[0, 3, 2]]);
+    let topology = topology(&mesh, &Options::default());
+    assert_eq!(positions(&mesh, &topology, 0), mesh.positions);
+    for vertex in 0..5 {
+        assert_eq!(topology.vertex_parent(0, vertex), VertexParent::Vertex(vertex));
+    }
+    let whole = FaceParent { face: 1, corner: None, uv: [[0.0; 2], [1.0; 2]] };
+    assert_eq!(topology.face_parent(0, 1), whole);
 }
 
 /// Vertices that no face has are in no level that is refined.

@@ -55,10 +55,12 @@ pub struct Refiner {
 pub type Level<'a, const N: usize> = (u32, &'a mut [[f32; N]]);
 
 /// Where the vertices of the last level go in the limit. Where a vertex is on a crease or a corner, tangents and normal are
-/// those of the faces of the first root that has it. An edge that is still semi-sharp counts as sharp, as in OpenSubdiv.
+/// those of the faces of the first root that has it. The masks are OpenSubdiv's, which are not always the surface's: an edge
+/// that is still semi-sharp counts as sharp, at a dart the smooth mask stands for what no mask says, and a vertex inside
+/// that has two faces alone stays where it is.
 pub struct Limits<'a> {
     pub positions: &'a mut [[f32; 3]],
-    /// Of unit length.
+    /// Of unit length; 0 where both tangents have one direction, or none.
     pub normals: &'a mut [[f32; 3]],
     /// Two that the normal turns counter-clockwise from the first to the second, of any length.
     pub tangents: Option<[&'a mut [[f32; 3]]; 2]>,
