@@ -109,6 +109,8 @@
 //! - [`plan::Options`]: params, memory, progress, stopping. Params are set by name, without compiling anew;
 //!   [`System::params`](language::System::params) lists them with types, defaults and ranges.
 //! - [`patch`]: nets, words, evaluation of points and normals; [`word`]: the parameters of a word's modules, in columns.
+//! - [`mesh`]: polygon meshes and their subdivision surfaces, refined by [`cpu::refine`], or on a device, frame by frame, by
+//!   `gpu::refine`.
 //! - [`tessellate`]: leaves to triangles, as grids or as one watertight mesh within a tolerance; on the CPU by
 //!   [`cpu::tessellate`], on a device, frame by frame or once, by `gpu::tessellate`.
 //! - `gpu::tessellate` (with the feature `gpu`): patches to watertight triangles, each frame anew, in a

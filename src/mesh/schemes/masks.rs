@@ -76,8 +76,7 @@ fn blended<V: Vector>(new: V, old: V, weight: f32) -> V {
     new * (1.0 - weight) + old * weight
 }
 
-/// The new point of an edge of which the middle counts so much (see [`edge_weight`](crate::mesh::sharpness::edge_weight));
-/// `smooth` gives the point of a smooth edge.
+/// The new point of an edge of which the middle counts so much; `smooth` gives the point of a smooth edge.
 pub fn edge_point<V: Vector>(ends: [V; 2], weight: f32, smooth: impl FnOnce() -> V) -> V {
     let middle = |[a, b]: [V; 2]| (a + b) * 0.5;
     match weight {
