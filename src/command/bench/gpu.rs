@@ -1,12 +1,14 @@
 //! The cases on a device.
 
 use super::kernels::{ELEMENTS, SCAN_ELEMENTS, scan_source};
+use super::meshes::{self, Subject};
 use super::patches::{FRONTIERS, derive_case, frontier_case, last_step_case, step_case};
 use super::systems::Plans;
 use super::tessellation::{self, frame_bytes};
 use super::{Case, Failure, curves, timed};
 use crate::command::run::of_gpu;
 use burgeon::codegen::{Mapping, Tuning};
+use burgeon::gpu::refine::Refiner;
 use burgeon::gpu::tessellate::{Capacity, Part, Tessellator};
 use burgeon::gpu::{Bandwidth, Engine, Gpu, Headless, Measure, Requirement, Scans, Stencil};
 use burgeon::patch::Net;
@@ -73,11 +75,53 @@ impl Adapter {
         if wanted("curve/stencil") {
             stencils(&engine, &plans.smoothed, cases)?;
         }
+        if wanted("mesh/frame") {
+            meshes(&engine, cases)?;
+        }
         if wanted("tessellate") {
             tessellations(&engine, roots, crowd, cases)?;
         }
         scans(&engine, wanted, cases)
     }
+}
+
+/// Frames of meshes, in which the vertices move.
+fn meshes(engine: &Engine, cases: &mut Vec<Case<'_>>) -> Result<(), Failure> {
+    for Subject { name, mesh, level } in meshes::subjects() {
+        let topology = meshes::topology(&mesh)?;
+        let refiner = Refiner::new(engine, &topology, &[level]).map_err(of_gpu)?;
+        let vertices = topology.counts(level).vertices;
+        let device = engine.clone();
+        let run = move || {
+            timed(
+                || {
+                    refiner.set(&mesh.positions).map_err(of_gpu)?;
+                    submit(&device, |encoder| refiner.encode(encoder))
+                },
+                |e| e,
+            )
+        };
+        cases.push(Case {
+            name: "mesh/frame",
+            case: name.to_string(),
+            backend: "gpu",
+            threads: 0,
+            bytes: 12 * vertices,
+            items: vertices,
+            run: Box::new(run),
+            times: Vec::new(),
+        });
+    }
+    Ok(())
+}
+
+/// Submits what is recorded, and waits for it.
+fn submit(engine: &Engine, record: impl FnOnce(&mut wgpu::CommandEncoder)) -> Result<(), Failure> {
+    let mut encoder = engine.device().create_command_encoder(&Default::default());
+    record(&mut encoder);
+    engine.queue().submit([encoder.finish()]);
+    let lost = |_| Failure::Device("error: the device was lost".to_string());
+    engine.device().poll(wgpu::PollType::wait_indefinitely()).map(|_| ()).map_err(lost)
 }
 
 fn stencils<'a>(engine: &Engine, plan: &'a Plan, cases: &mut Vec<Case<'a>>) -> Result<(), Failure> {
@@ -89,11 +133,7 @@ fn stencils<'a>(engine: &Engine, plan: &'a Plan, cases: &mut Vec<Case<'a>>) -> R
         timed(
             || {
                 stencil.set(&control).map_err(of_gpu)?;
-                let mut encoder = device.device().create_command_encoder(&Default::default());
-                stencil.encode(&mut encoder);
-                device.queue().submit([encoder.finish()]);
-                let lost = |_| Failure::Device("error: the device was lost".to_string());
-                device.device().poll(wgpu::PollType::wait_indefinitely()).map(|_| ()).map_err(lost)
+                submit(&device, |encoder| stencil.encode(encoder))
             },
             |e| e,
         )
@@ -128,14 +168,10 @@ fn tessellations<'a>(
         Ok::<_, Failure>((made, s))
     };
     let frame = |engine: &Engine, t: &mut Tessellator, part: Option<Part>| {
-        let mut encoder = engine.device().create_command_encoder(&Default::default());
-        match part {
-            None => t.encode(&mut encoder),
-            Some(part) => t.encode_part(&mut encoder, part),
-        }
-        engine.queue().submit([encoder.finish()]);
-        let lost = |_| Failure::Device("error: the device was lost".to_string());
-        engine.device().poll(wgpu::PollType::wait_indefinitely()).map(|_| ()).map_err(lost)
+        submit(engine, |encoder| match part {
+            None => t.encode(encoder),
+            Some(part) => t.encode_part(encoder, part),
+        })
     };
     let level = Level::world(tessellation::TOLERANCE);
     let (mut first, s) = prepare(roots, &level)?;

@@ -8,13 +8,13 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// A mesh, and the level that it is refined to.
-struct Subject {
-    name: &'static str,
-    mesh: Mesh,
-    level: u32,
+pub struct Subject {
+    pub name: &'static str,
+    pub mesh: Mesh,
+    pub level: u32,
 }
 
-fn subjects() -> Vec<Subject> {
+pub fn subjects() -> Vec<Subject> {
     let subject = |name, mesh, level| Subject { name, mesh, level };
     vec![
         subject("torus 64×64, level 4", torus(64), 4),
@@ -119,7 +119,7 @@ fn first(mesh: &Mesh, level: u32, out: &mut [[f32; 3]], quads: &mut [[u32; 4]]) 
     Ok(())
 }
 
-fn topology(mesh: &Mesh) -> Result<Arc<Topology>, Failure> {
+pub fn topology(mesh: &Mesh) -> Result<Arc<Topology>, Failure> {
     Ok(Arc::new(Topology::new(mesh, &Options::default()).map_err(|e| Failure::Device(e.to_string()))?))
 }
 
