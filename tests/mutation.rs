@@ -287,6 +287,7 @@ const SCANS: &[Mutant] = &[
         Scans,
     ),
     ("compositions", "(tiles + WORKGROUP - 1u) / WORKGROUP", "tiles / WORKGROUP", Scans),
+    ("sums", "return 0u;", "return 1u;", Scans),
     (
         "sums",
         "sums[tile_count(extent.count)] = total;",
