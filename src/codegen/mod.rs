@@ -20,7 +20,7 @@ use crate::plan::derive::StageId;
 use crate::plan::layout::Layout;
 use crate::plan::program::{Over, Work};
 use crate::plan::step::Pass;
-use crate::plan::tables::{Production, Stage};
+use crate::plan::tables::Stage;
 
 /// How `emit` is laid out over invocations; the bits that come out are the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -331,8 +331,8 @@ fn only_rule_word(stage: &Stage) -> u32 {
     if stage.closed.is_none() {
         return 0;
     }
-    let first = |ids: &Vec<usize>| Some(&stage.productions[stage.rules[*ids.first()?].productions.start]);
-    let mut words = stage.by_symbol.iter().filter_map(first).map(Production::word);
+    let firing = (0..stage.by_symbol.len()).filter_map(|symbol| stage.first_production(symbol));
+    let mut words = firing.map(|production| stage.productions[production].word());
     let first = words.next().unwrap_or(0);
     if words.all(|w| w == first) { first } else { 0 }
 }

@@ -7,6 +7,7 @@
 //! same bits as the kernels. A sweep is compiled for each degree, so that a line stays in registers.
 
 use super::BLOCK;
+use super::match_modules::fired;
 use super::program::{self, Input, Registers};
 use crate::patch::{MAX_DEGREE, net_points};
 use crate::plan::code::ChildCode;
@@ -95,15 +96,11 @@ fn emit_part(
     out: Output,
 ) -> bool {
     let (words, points) = (part.layout.record_words, part.layout.net_points());
-    let rule_of = |i: usize| match rules {
-        Some(rules) => rules[i] as usize,
-        None => stage.rules[stage.by_symbol[(part.record(i)[0] & 0xffff) as usize][0]].productions.start,
-    };
     let mut ready = vec![false; stage.productions.len()];
     let mut at = 0;
     let mut fits = true;
     for i in 0..part.len() {
-        let rule = rule_of(i);
+        let rule = fired(stage, part, rules, i);
         let word = words_of_rules[rule];
         let (halves, live) = (word & 3, word >> 4 & 15);
         let count = (word >> 8 & 255) as usize;

@@ -5,6 +5,7 @@
 
 use super::BLOCK;
 use super::lanes::Lanes;
+use super::match_modules::fired;
 use super::program::{self, Input, Registers};
 use crate::plan::tables::{Production, Stage};
 use rayon::ThreadPool;
@@ -69,10 +70,6 @@ fn emit_part(
     out: &mut [u32],
 ) {
     let words = part.layout.record_words;
-    let rule_of = |i: usize| match rules {
-        Some(rules) => rules[i] as usize,
-        None => stage.rules[stage.by_symbol[(part.record(i)[0] & 0xffff) as usize][0]].productions.start,
-    };
     if let (None, [production]) = (rules, &stage.productions[..]) {
         program::run(&stage.code.children[0].graph, part, &mut registers[0]);
         return all_the_same(stage, production, part.len(), &registers[0], out, words);
@@ -80,7 +77,7 @@ fn emit_part(
     let mut ready = vec![false; stage.productions.len()];
     let mut at = 0;
     for i in 0..part.len() {
-        let rule = rule_of(i);
+        let rule = fired(stage, part, rules, i);
         if rule == stage.retired() as usize {
             continue;
         }

@@ -44,6 +44,17 @@ pub fn status(stage: &Stage, words: &[u32], block: &Input, rules: &[u32]) -> Sta
     status
 }
 
+/// The rule id of module `i`: that which was matched, or, where nothing is, what its symbol says.
+#[inline]
+pub fn fired(stage: &Stage, part: &Input, rules: Option<&[u32]>, i: usize) -> usize {
+    match rules {
+        Some(rules) => rules[i] as usize,
+        None => stage
+            .first_production((part.record(i)[0] & 0xffff) as usize)
+            .expect("where the stage is closed each symbol has a rule"),
+    }
+}
+
 const UNDECIDED: u32 = u32::MAX;
 
 /// What a thread needs for one block after the other.

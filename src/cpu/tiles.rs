@@ -1,13 +1,24 @@
 //! Scans by tiles, as `wgsl/shared/compositions.wgsl` has them: what each tile is, in parallel; then what stands before each.
 
+use rayon::prelude::*;
+use std::mem::replace;
+
 /// Elements of one tile.
 pub const TILE: usize = 1 << 14;
 
-/// Makes each tile what stands before it, beginning with `entered`. Returned is what stands after the last.
-pub fn befores<T: Clone>(tiles: &mut [T], entered: T, then: impl Fn(&T, &T) -> T) -> T {
-    tiles.iter_mut().fold(entered, |state, tile| {
+/// What stands before each tile of a column of so many words an element, and after the last: `of` says what a tile is,
+/// `then` how two become one, the first one first, and `entered` what stands before them all.
+pub fn befores<T: Send>(
+    (column, words): (&[u32], usize),
+    entered: T,
+    of: impl Fn(&[u32]) -> T + Sync + Send,
+    then: impl Fn(&T, &T) -> T,
+) -> (Vec<T>, T) {
+    let mut tiles: Vec<T> = column.par_chunks(TILE * words).map(of).collect();
+    let mut state = entered;
+    for tile in &mut tiles {
         let next = then(&state, tile);
-        *tile = state;
-        next
-    })
+        *tile = replace(&mut state, next);
+    }
+    (tiles, state)
 }

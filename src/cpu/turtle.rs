@@ -12,8 +12,7 @@ pub fn turtle(turtle: &Turtle, layout: &Layout, records: &[u32], entered: Motion
     let of_tile = |tile: &[u32]| {
         tile.chunks_exact(words).fold(STILL, |motion, record| motion.then_module(turtle, record))
     };
-    let mut motions: Vec<Motion> = records.par_chunks(TILE * words).map(of_tile).collect();
-    let last = befores(&mut motions, entered, Motion::then);
+    let (motions, last) = befores((records, words), entered, of_tile, Motion::then);
     let tiles = out.par_chunks_mut(TILE * ROW_WORDS).zip(records.par_chunks(TILE * words));
     tiles.zip(&motions).for_each(|((rows, tile), &before)| {
         let mut state = before;

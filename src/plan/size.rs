@@ -446,9 +446,8 @@ fn outcomes_of(symbol: usize, set: &RuleSet, uniforms: &[Value]) -> Vec<Outcome>
 
 /// The visible symbols that come of `symbol` within the step.
 fn resolve(set: &RuleSet, symbol: usize, children: &mut Vec<usize>) {
-    let hidden = set.stages[1..].iter().find_map(|stage| {
-        Some(&stage.productions[stage.rules[*stage.by_symbol[symbol].first()?].productions.start])
-    });
+    let hidden =
+        set.stages[1..].iter().find_map(|stage| Some(&stage.productions[stage.first_production(symbol)?]));
     match hidden {
         None => children.push(symbol),
         Some(p) => p.successors().for_each(|(_, c)| resolve(set, c.symbol, children)),

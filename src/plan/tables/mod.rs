@@ -300,6 +300,11 @@ impl Stage {
     pub fn max_count(&self) -> u32 {
         self.productions.iter().map(Production::count).max().unwrap_or(1).max(1)
     }
+    /// The first production of the rule of this symbol that is tried first. Where the stage is closed no other fires, and
+    /// nothing is matched.
+    pub fn first_production(&self, symbol: usize) -> Option<usize> {
+        Some(self.rules[*self.by_symbol[symbol].first()?].productions.start)
+    }
     /// The rule that fires on every module of this symbol, if the symbol alone decides.
     pub fn unconditional(&self, symbol: usize) -> Option<usize> {
         let rule = &self.rules[*self.by_symbol[symbol].first()?];
